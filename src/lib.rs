@@ -1,0 +1,8 @@
+//! impasto: shades 3D models with real paint.
+
+pub mod error;
+pub mod paint;
+pub mod scene;
+pub mod synthesis;
+
+pub use error::{Error, Result};
