@@ -1,6 +1,7 @@
 //! impasto: shades 3D models with real paint.
 
 pub mod error;
+pub mod gpu;
 pub mod paint;
 pub mod scene;
 pub mod synthesis;

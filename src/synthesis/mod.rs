@@ -1,1 +1,5 @@
 //! synthesis
+pub mod params;
+pub mod quilt;
+pub mod quilt_oracle;
+pub mod tile_oracle;

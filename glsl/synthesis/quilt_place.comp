@@ -1,0 +1,276 @@
+#version 450
+// Quilting, third stage: choice, minimum-error cut and paste of the blocks of one wave.
+//
+// One workgroup a block; the blocks of a wave touch disjoint pixels.
+// Choice: uniform among the positions with error <= (1 + tolerance) * least, in raster order.
+// Cut: on each side whose neighbour is placed, the path through the strip of the overlap with the least sum of squared
+// differences, by dynamic programming, ties to the lowest index (thesis 3.2.2; Efros and Freeman 2001).
+// Paste: a painted pixel beyond a cut stays as it is, every other one takes the new block's texel.
+// In:  errors and group minima of this wave's search.  Out: canvas, source coordinates, the blocks' records.
+#extension GL_GOOGLE_include_directive : require
+#include "quilt.glsl"
+
+layout(local_size_x = 128) in;
+
+layout(binding = 0, r32ui) uniform readonly uimage2D sample_texels;
+layout(binding = 1, r32ui) uniform uimage2D canvas;
+// x + (y << 16) of the sample's texel that each pixel came from.
+layout(binding = 2, r32ui) uniform writeonly uimage2D source;
+layout(binding = 3, std430) buffer Blocks { Block blocks[]; };
+layout(binding = 4, std430) readonly buffer Order { uint order[]; };
+layout(binding = 5, std430) readonly buffer Errors { uvec4 errors[]; };
+layout(binding = 6, std430) readonly buffer GroupMinima { uint group_minima[]; };
+
+layout(push_constant) uniform Push {
+    uint output_width, output_height;
+    uint sample_height;
+    uint block_px, overlap_px;
+    uint tileable;
+    uint first_block;
+    uint groups_per_block;
+    uint columns, rows;
+    // In 1/10,000.
+    uint tolerance;
+    uint seed, frame;
+} push;
+
+const uint LEFT = 0;
+const uint TOP = 1;
+const uint RIGHT = 2;
+const uint BOTTOM = 3;
+
+shared uint scratch[GROUP];
+// The cumulative errors of one strip, `overlap_px` to a step along it.
+shared uint cumulative[MAX_BLOCK * MAX_OVERLAP];
+shared uint cuts[4 * MAX_BLOCK];
+shared uint found;
+shared uvec2 position;
+shared uint position_error;
+
+// min + floor(min * tolerance / 10,000), or 2^32 - 1 where that does not fit.
+uint threshold(uint least) {
+    uint whole = least / 10000u;
+    uint high;
+    uint product;
+    umulExtended(whole, push.tolerance, high, product);
+    uint carry;
+    uint sum = uaddCarry(product, (least % 10000u) * push.tolerance / 10000u, carry);
+    uint carry_least;
+    sum = uaddCarry(sum, least, carry_least);
+    return high != 0 || carry != 0 || carry_least != 0 ? 0xffffffffu : sum;
+}
+
+uint admissible_of(uvec4 e, uint limit) {
+    return uint(e.x <= limit && e.x != 0xffffffffu) + uint(e.y <= limit && e.y != 0xffffffffu) +
+           uint(e.z <= limit && e.z != 0xffffffffu) + uint(e.w <= limit && e.w != 0xffffffffu);
+}
+
+// Chooses among the block's admissible positions; leaves position, position_error; returns (least, admissible).
+uvec2 choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
+    uint lane = gl_LocalInvocationID.x;
+    uint first = slot * push.groups_per_block;
+    uint least = 0xffffffffu;
+    for (uint group = lane; group < groups; group += GROUP) {
+        least = min(least, group_minima[first + group]);
+    }
+    scratch[lane] = least;
+    if (lane == 0) {
+        found = 0;
+    }
+    for (uint stride = GROUP / 2; stride > 0; stride /= 2) {
+        barrier();
+        if (lane < stride) {
+            scratch[lane] = min(scratch[lane], scratch[lane + stride]);
+        }
+    }
+    barrier();
+    least = scratch[0];
+    uint limit = threshold(least);
+
+    // How many are admissible in all.
+    uint mine = 0;
+    for (uint group = 0; group < groups; group++) {
+        if (group_minima[first + group] <= limit) {
+            uint place = ((first + group) * GROUP + lane) * 2;
+            mine += admissible_of(errors[place], limit) + admissible_of(errors[place + 1], limit);
+        }
+    }
+    atomicAdd(found, mine);
+    barrier();
+    uint admissible = found;
+    uint wanted;
+    uint low;
+    umulExtended(random_bits(push.seed, index, push.frame), admissible, wanted, low);
+
+    // The group that holds the wanted one, then the invocation, then the position.
+    uint before = 0;
+    for (uint group = 0; group < groups; group++) {
+        if (group_minima[first + group] > limit) {
+            continue;
+        }
+        uint place = ((first + group) * GROUP + lane) * 2;
+        uvec4 a = errors[place];
+        uvec4 b = errors[place + 1];
+        uint mine_here = admissible_of(a, limit) + admissible_of(b, limit);
+        barrier();
+        scratch[lane] = mine_here;
+        // Inclusive prefix sums over the group.
+        for (uint stride = 1; stride < GROUP; stride *= 2) {
+            barrier();
+            uint left = lane >= stride ? scratch[lane - stride] : 0;
+            barrier();
+            scratch[lane] += left;
+        }
+        barrier();
+        uint in_group = scratch[GROUP - 1];
+        uint start = before + scratch[lane] - mine_here;
+        if (wanted >= start && wanted < start + mine_here) {
+            uint e[TILE] = uint[](a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
+            uint rank = start;
+            for (uint j = 0; j < TILE; j++) {
+                if (e[j] <= limit && e[j] != 0xffffffffu) {
+                    if (rank == wanted) {
+                        uint tile = group * GROUP + lane;
+                        position = uvec2(sx0 + TILE * (tile % tiles_x) + j, tile / tiles_x);
+                        position_error = e[j];
+                    }
+                    rank++;
+                }
+            }
+        }
+        before += in_group;
+        if (before > wanted) {
+            break;
+        }
+    }
+    barrier();
+    return uvec2(least, admissible);
+}
+
+uint canvas_at(Block block, uint dx, uint dy) {
+    uint x = block.x + dx;
+    uint y = block.y + dy;
+    x -= x >= push.output_width ? push.output_width : 0;
+    y -= y >= push.output_height ? push.output_height : 0;
+    return imageLoad(canvas, ivec2(x, y)).r;
+}
+
+// The pixel of the block that lies `along` and `across` the strip of `side`.
+uvec2 strip_pixel(Block block, uint side, uint along, uint across) {
+    if (side == LEFT) {
+        return uvec2(across, along);
+    } else if (side == TOP) {
+        return uvec2(along, across);
+    } else if (side == RIGHT) {
+        return uvec2(block.width - push.overlap_px + across, along);
+    }
+    return uvec2(along, block.height - push.overlap_px + across);
+}
+
+// The minimum-error cut through the strip of `side` into cuts[side * MAX_BLOCK ...].
+void cut(Block block, uint side) {
+    uint lane = gl_LocalInvocationID.x;
+    bool vertical = side == LEFT || side == RIGHT;
+    uint length = vertical ? block.height : block.width;
+    uint strip = min(push.overlap_px, vertical ? block.width : block.height);
+    barrier();
+    for (uint i = lane; i < length * strip; i += GROUP) {
+        uvec2 p = strip_pixel(block, side, i / strip, i % strip);
+        uint old = canvas_at(block, p.x, p.y);
+        uint new = imageLoad(sample_texels, ivec2(position + p)).r;
+        cumulative[i] = old >= PAINTED ? squared_difference(old, new) : 0;
+    }
+    for (uint step = 1; step < length; step++) {
+        barrier();
+        if (lane < strip) {
+            uint row = (step - 1) * strip;
+            uint best = cumulative[row + lane];
+            if (lane > 0) {
+                best = min(best, cumulative[row + lane - 1]);
+            }
+            if (lane + 1 < strip) {
+                best = min(best, cumulative[row + lane + 1]);
+            }
+            cumulative[step * strip + lane] += best;
+        }
+    }
+    barrier();
+    if (lane == 0) {
+        uint low = 0;
+        uint high = strip;
+        for (uint step = length; step-- > 0;) {
+            uint best = low;
+            for (uint j = low + 1; j < high; j++) {
+                if (cumulative[step * strip + j] < cumulative[step * strip + best]) {
+                    best = j;
+                }
+            }
+            cuts[side * MAX_BLOCK + step] = best;
+            low = best - min(best, 1u);
+            high = min(best + 2, strip);
+        }
+    }
+    barrier();
+}
+
+bool placed(uint row, uint col) {
+    return blocks[row * push.columns + col].state == STATE_PLACED;
+}
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint slot = gl_WorkGroupID.x;
+    uint index = order[push.first_block + slot];
+    Block block = blocks[index];
+    if (block.state != STATE_PENDING) {
+        return;
+    }
+    uint tiles_x = (block.sx1 - block.sx0 + TILE) / TILE;
+    uint tiles = tiles_x * (push.sample_height - push.block_px + 1);
+    uvec2 chosen = choose(slot, index, block.sx0, tiles_x, (tiles + GROUP - 1) / GROUP);
+
+    uint row = index / push.columns;
+    uint col = index % push.columns;
+    bool wraps = push.tileable != 0;
+    bool joined[4];
+    joined[LEFT] = (col > 0 || wraps) && placed(row, col > 0 ? col - 1 : push.columns - 1);
+    joined[TOP] = (row > 0 || wraps) && placed(row > 0 ? row - 1 : push.rows - 1, col);
+    joined[RIGHT] = wraps && placed(row, col + 1 < push.columns ? col + 1 : 0);
+    joined[BOTTOM] = wraps && placed(row + 1 < push.rows ? row + 1 : 0, col);
+    for (uint side = 0; side < 4; side++) {
+        if (joined[side]) {
+            cut(block, side);
+        }
+    }
+
+    uint overlap = push.overlap_px;
+    for (uint i = lane; i < block.width * block.height; i += GROUP) {
+        uint dx = i % block.width;
+        uint dy = i / block.width;
+        uint x = block.x + dx;
+        uint y = block.y + dy;
+        x -= x >= push.output_width ? push.output_width : 0;
+        y -= y >= push.output_height ? push.output_height : 0;
+        bool keep = joined[LEFT] && dx < overlap && dx < cuts[LEFT * MAX_BLOCK + dy];
+        keep = keep || (joined[TOP] && dy < overlap && dy < cuts[TOP * MAX_BLOCK + dx]);
+        keep = keep || (joined[RIGHT] && dx + overlap >= block.width &&
+                        dx + overlap - block.width > cuts[RIGHT * MAX_BLOCK + dy]);
+        keep = keep || (joined[BOTTOM] && dy + overlap >= block.height &&
+                        dy + overlap - block.height > cuts[BOTTOM * MAX_BLOCK + dx]);
+        keep = keep && imageLoad(canvas, ivec2(x, y)).r >= PAINTED;
+        if (!keep) {
+            uvec2 from = position + uvec2(dx, dy);
+            uint texel = imageLoad(sample_texels, ivec2(from)).r;
+            imageStore(canvas, ivec2(x, y), uvec4(texel | PAINTED));
+            imageStore(source, ivec2(x, y), uvec4(from.x | (from.y << 16)));
+        }
+    }
+    if (lane == 0) {
+        blocks[index].state = STATE_PLACED;
+        blocks[index].admissible = chosen.y;
+        blocks[index].sx = position.x;
+        blocks[index].sy = position.y;
+        blocks[index].error = position_error;
+        blocks[index].min_error = chosen.x;
+    }
+}

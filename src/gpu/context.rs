@@ -1,0 +1,453 @@
+//! A device of our own, or a host's, and everything that lives as long as it does.
+//!
+//! All other GPU objects hold a clone of the [`Context`]. What they free goes to its graveyard first and is destroyed
+//! when the GPU is known to be done with it: the context counts *frames*, an object dropped during frame n is destroyed
+//! once [`Context::advance`] says that frame n is safe.
+
+use super::caps::{describe, Caps, DeviceChoice, DeviceInfo};
+use super::memory::Garbage;
+use super::pipeline::PipelineCacheFile;
+use super::validation;
+use crate::{Error, Result};
+use ash::vk;
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+/// How grave a message to the log is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogLevel {
+    /// Something is wrong.
+    Error,
+    /// Something looks wrong.
+    Warning,
+}
+
+/// Where messages go; may be called from any thread. The library itself prints nothing.
+pub type LogCallback = Arc<dyn Fn(LogLevel, &str) + Send + Sync>;
+
+/// How to make a [`Context`] with a device of its own.
+#[derive(Clone, Default)]
+pub struct ContextOptions {
+    /// Which device.
+    pub device: DeviceChoice,
+    /// Turn on the Khronos validation layer with synchronisation validation; its messages go to `log`.
+    pub validation: bool,
+    /// Where messages go; `None`: nowhere.
+    pub log: Option<LogCallback>,
+    /// A folder in which the pipeline cache is kept from one start to the next; `None`: it is not kept.
+    pub pipeline_cache_dir: Option<PathBuf>,
+    /// Bytes of GPU memory that the context may take; `None`: 4 GiB.
+    pub memory_budget: Option<u64>,
+}
+
+/// A host's device, to be borrowed. The host keeps ownership of everything in it.
+#[derive(Clone)]
+pub struct HostDevice {
+    /// The host's instance (version 1.1 or later).
+    pub instance: ash::Instance,
+    /// The physical device.
+    pub physical_device: vk::PhysicalDevice,
+    /// The device; no extension and no optional feature is needed.
+    pub device: ash::Device,
+    /// The family of the queue on which the host will submit; it must draw and compute.
+    pub queue_family: u32,
+    /// The features that were *enabled* on the device. None is needed; faster paths are only taken for these.
+    pub enabled_features: vk::PhysicalDeviceFeatures,
+    /// The host's pipeline cache, or null.
+    pub pipeline_cache: vk::PipelineCache,
+    /// True if the instance has `VK_EXT_debug_utils`: objects are named and passes labelled then.
+    pub debug_utils: bool,
+    /// Bytes of GPU memory that the context may take; `None`: 4 GiB.
+    pub memory_budget: Option<u64>,
+}
+
+impl HostDevice {
+    /// Loads the function tables from raw handles, as a host that does not use ash has them.
+    ///
+    /// # Safety
+    /// The handles must be live, belong together, and outlive every context made from this.
+    pub unsafe fn from_raw(
+        get_instance_proc_addr: vk::PFN_vkGetInstanceProcAddr,
+        instance: vk::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: vk::Device,
+        queue_family: u32,
+    ) -> Self {
+        let functions = ash::StaticFn { get_instance_proc_addr };
+        // SAFETY: the caller promises live handles.
+        let (instance, device) = unsafe {
+            let instance = ash::Instance::load(&functions, instance);
+            let device = ash::Device::load(instance.fp_v1_0(), device);
+            (instance, device)
+        };
+        HostDevice {
+            instance,
+            physical_device,
+            device,
+            queue_family,
+            enabled_features: vk::PhysicalDeviceFeatures::default(),
+            pipeline_cache: vk::PipelineCache::null(),
+            debug_utils: false,
+            memory_budget: None,
+        }
+    }
+}
+
+/// An instance of our own.
+pub(crate) struct Loader {
+    // Keeps the loader's library mapped for as long as the instance lives.
+    _entry: ash::Entry,
+    pub instance: ash::Instance,
+    messenger: Option<(ash::ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
+    // Boxed twice so that the messenger's user pointer stays valid when the loader moves.
+    _log: Option<Box<LogCallback>>,
+    pub debug_utils: bool,
+}
+
+impl Loader {
+    pub fn new(validation_on: bool, log: Option<LogCallback>) -> Result<Self> {
+        // SAFETY: loading the system's Vulkan library runs its initialisers, which we must trust.
+        let entry = unsafe { ash::Entry::load() }
+            .map_err(|e| Error::Device(format!("no Vulkan loader (libvulkan.so.1) was found: {e}")))?;
+        let app = vk::ApplicationInfo::default()
+            .application_name(c"impasto")
+            .engine_name(c"impasto")
+            .api_version(super::API_VERSION);
+        let mut layers = Vec::new();
+        let mut extensions = Vec::new();
+        let log = validation_on.then(|| Box::new(log.unwrap_or_else(|| Arc::new(|_, _| {}))));
+        if validation_on {
+            // SAFETY: the entry is live.
+            let present = unsafe { entry.enumerate_instance_layer_properties() }.map_err(vulkan("vkEnumerateInstanceLayerProperties"))?;
+            if !present.iter().any(|l| l.layer_name_as_c_str() == Ok(validation::LAYER)) {
+                return Err(Error::Device(
+                    "validation was asked for, but the layer VK_LAYER_KHRONOS_validation is not installed".to_owned(),
+                ));
+            }
+            layers.push(validation::LAYER.as_ptr());
+            extensions.push(ash::ext::debug_utils::NAME.as_ptr());
+            extensions.push(ash::ext::validation_features::NAME.as_ptr());
+        }
+        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&validation::ENABLED);
+        let mut messenger_info = log.as_deref().map(validation::messenger_info);
+        let mut info = vk::InstanceCreateInfo::default()
+            .application_info(&app)
+            .enabled_layer_names(&layers)
+            .enabled_extension_names(&extensions);
+        if let Some(messenger) = &mut messenger_info {
+            info = info.push_next(&mut features).push_next(messenger);
+        }
+        // SAFETY: every pointer in `info` outlives the call.
+        let instance = unsafe { entry.create_instance(&info, None) }.map_err(vulkan("vkCreateInstance"))?;
+        let messenger = match log.as_deref() {
+            None => None,
+            Some(log) => {
+                let functions = ash::ext::debug_utils::Instance::new(&entry, &instance);
+                // SAFETY: the boxed callback outlives the messenger: both are dropped by `destroy`.
+                let made = unsafe { functions.create_debug_utils_messenger(&validation::messenger_info(log), None) };
+                match made {
+                    Ok(messenger) => Some((functions, messenger)),
+                    Err(result) => {
+                        // SAFETY: nothing else uses the instance yet.
+                        unsafe { instance.destroy_instance(None) };
+                        return Err(Error::Vulkan { call: "vkCreateDebugUtilsMessengerEXT", result });
+                    }
+                }
+            }
+        };
+        Ok(Loader { _entry: entry, instance, messenger, _log: log, debug_utils: validation_on })
+    }
+
+    /// The devices that can serve us.
+    pub fn physical_devices(&self) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>> {
+        // SAFETY: the instance is live.
+        let all = unsafe { self.instance.enumerate_physical_devices() }.map_err(vulkan("vkEnumeratePhysicalDevices"))?;
+        Ok(all
+            .into_iter()
+            .enumerate()
+            .map(|(index, physical)| (physical, describe(&self.instance, physical, index)))
+            .filter(|(physical, info)| {
+                info.api_version >= super::API_VERSION && queue_family(&self.instance, *physical).is_some()
+            })
+            .collect())
+    }
+
+    pub fn destroy(self) {
+        // SAFETY: called once, after everything made from the instance is gone; the layer may still report here.
+        unsafe {
+            if let Some((functions, messenger)) = &self.messenger {
+                functions.destroy_debug_utils_messenger(*messenger, None);
+            }
+            self.instance.destroy_instance(None);
+        }
+    }
+}
+
+fn queue_family(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<u32> {
+    // SAFETY: `physical` belongs to this live instance.
+    let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
+    let both = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+    families.iter().position(|f| f.queue_flags.contains(both)).map(|i| i as u32)
+}
+
+/// Turns a Vulkan result into our error, naming the call.
+pub(crate) fn vulkan(call: &'static str) -> impl Fn(vk::Result) -> Error {
+    move |result| Error::Vulkan { call, result }
+}
+
+/// A device to work with; cheap to clone, all clones are the same context.
+///
+/// A context and what is made from it may move between threads, but is used by one thread at a time.
+#[derive(Clone)]
+pub struct Context {
+    inner: Arc<Inner>,
+}
+
+pub(crate) struct Inner {
+    loader: Option<Loader>,
+    pub instance: ash::Instance,
+    pub device: ash::Device,
+    pub queue_family: u32,
+    /// Null on a borrowed device: there the host submits.
+    pub queue: vk::Queue,
+    pub info: DeviceInfo,
+    pub caps: Caps,
+    pub enabled_features: vk::PhysicalDeviceFeatures,
+    pub pipeline_cache: vk::PipelineCache,
+    cache_file: Option<PipelineCacheFile>,
+    pub debug_utils: Option<ash::ext::debug_utils::Device>,
+    pub allocator: Mutex<Option<Allocator>>,
+    pub allocated: AtomicU64,
+    pub budget: u64,
+    graveyard: Mutex<Vec<(u64, Garbage)>>,
+    frame: AtomicU64,
+    next_id: AtomicU64,
+}
+
+const DEFAULT_BUDGET: u64 = 4 << 30;
+
+impl Context {
+    /// Makes an instance and a device of our own, without any window.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when there is no Vulkan, no such device, or no validation layer though asked for;
+    /// [`Error::Vulkan`] when a call fails.
+    pub fn new(options: &ContextOptions) -> Result<Self> {
+        let loader = Loader::new(options.validation, options.log.clone())?;
+        let made = Self::on_loader(&loader, options);
+        match made {
+            Ok((device, physical, family, info)) => {
+                // SAFETY: the family was asked for with one queue.
+                let queue = unsafe { device.get_device_queue(family, 0) };
+                let mut inner = Inner::new(&loader.instance, physical, device, family, info, options.memory_budget)?;
+                inner.queue = queue;
+                if loader.debug_utils {
+                    inner.debug_utils = Some(ash::ext::debug_utils::Device::new(&inner.instance, &inner.device));
+                }
+                let file = options.pipeline_cache_dir.as_ref().map(|dir| PipelineCacheFile::new(dir, &inner.caps));
+                inner.pipeline_cache = PipelineCacheFile::create(file.as_ref(), &inner.device)?;
+                inner.cache_file = file;
+                inner.loader = Some(loader);
+                Ok(Context { inner: Arc::new(inner) })
+            }
+            Err(error) => {
+                loader.destroy();
+                Err(error)
+            }
+        }
+    }
+
+    fn on_loader(
+        loader: &Loader,
+        options: &ContextOptions,
+    ) -> Result<(ash::Device, vk::PhysicalDevice, u32, DeviceInfo)> {
+        let devices = loader.physical_devices()?;
+        let infos: Vec<DeviceInfo> = devices.iter().map(|(_, info)| info.clone()).collect();
+        let picked = options.device.pick(&infos)?.clone();
+        let missing = || Error::Device(format!("{} has no queue that draws and computes", picked.name));
+        let physical = devices.iter().find(|(_, info)| *info == picked).map(|(p, _)| *p).ok_or_else(missing)?;
+        let family = queue_family(&loader.instance, physical).ok_or_else(missing)?;
+        let priorities = [1.0];
+        let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
+        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        // SAFETY: `physical` belongs to the live instance; `info` outlives the call.
+        let device =
+            unsafe { loader.instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
+        Ok((device, physical, family, picked))
+    }
+
+    /// Borrows a host's device. Nothing of it is destroyed when the context goes.
+    ///
+    /// # Safety
+    /// All handles must be live and belong together, `queue_family` must draw and compute, `enabled_features` must be
+    /// what the device was made with, and all of it must outlive the context and everything made from it. When the last
+    /// clone of the context is dropped, the GPU must be done with all that was recorded through it.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is older than Vulkan 1.1.
+    pub unsafe fn from_host(host: HostDevice) -> Result<Self> {
+        let info = describe(&host.instance, host.physical_device, 0);
+        if info.api_version < super::API_VERSION {
+            return Err(Error::Device(format!("{} offers Vulkan {}, 1.1 is needed", info.name, info.api_version_text())));
+        }
+        let debug = host.debug_utils.then(|| ash::ext::debug_utils::Device::new(&host.instance, &host.device));
+        let mut inner = Inner::new(
+            &host.instance,
+            host.physical_device,
+            host.device,
+            host.queue_family,
+            info,
+            host.memory_budget,
+        )?;
+        inner.enabled_features = host.enabled_features;
+        inner.pipeline_cache = host.pipeline_cache;
+        inner.debug_utils = debug;
+        Ok(Context { inner: Arc::new(inner) })
+    }
+
+    /// Which device this is.
+    pub fn device_info(&self) -> &DeviceInfo {
+        &self.inner.info
+    }
+
+    /// Its limits.
+    pub fn caps(&self) -> &Caps {
+        &self.inner.caps
+    }
+
+    /// The optional features that are enabled, for faster paths; on a device of our own none are.
+    pub fn enabled_features(&self) -> &vk::PhysicalDeviceFeatures {
+        &self.inner.enabled_features
+    }
+
+    /// Bytes of GPU memory that the context's objects take now.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.inner.allocated.load(Ordering::Relaxed)
+    }
+
+    /// Tells where the GPU is: from here on objects belong to `current_frame`, and everything recorded in frames up to
+    /// and including `safe_frame` has run. Objects dropped in safe frames are destroyed now.
+    pub fn advance(&self, current_frame: u64, safe_frame: u64) {
+        self.inner.frame.store(current_frame, Ordering::Relaxed);
+        let mut graveyard = lock(&self.inner.graveyard);
+        let (safe, kept) = std::mem::take(&mut *graveyard).into_iter().partition(|(frame, _)| *frame <= safe_frame);
+        *graveyard = kept;
+        drop(graveyard);
+        self.inner.destroy(safe);
+    }
+
+    /// The current frame's number.
+    pub(crate) fn frame(&self) -> u64 {
+        self.inner.frame.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn inner(&self) -> &Inner {
+        &self.inner
+    }
+
+    pub(crate) fn device(&self) -> &ash::Device {
+        &self.inner.device
+    }
+
+    /// Hands over something to be destroyed when the frame that is recorded now is safe.
+    pub(crate) fn bury(&self, garbage: Garbage) {
+        lock(&self.inner.graveyard).push((self.frame(), garbage));
+    }
+
+    pub(crate) fn next_id(&self) -> u64 {
+        self.inner.next_id.fetch_add(1, Ordering::Relaxed)
+    }
+
+    /// Names an object for debuggers and validation messages.
+    pub(crate) fn name<H: vk::Handle>(&self, handle: H, name: &str) {
+        if let Some(debug) = &self.inner.debug_utils {
+            let Ok(text) = std::ffi::CString::new(name) else { return };
+            let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&text);
+            // SAFETY: the handle is live and from this device. A failure to name is of no consequence.
+            let _ = unsafe { debug.set_debug_utils_object_name(&info) };
+        }
+    }
+}
+
+/// Locks, also after a panic elsewhere: the data behind our locks is valid at every point.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+impl Inner {
+    fn new(
+        instance: &ash::Instance,
+        physical: vk::PhysicalDevice,
+        device: ash::Device,
+        queue_family: u32,
+        info: DeviceInfo,
+        budget: Option<u64>,
+    ) -> Result<Self> {
+        let caps = Caps::query(instance, physical, queue_family);
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: instance.clone(),
+            device: device.clone(),
+            physical_device: physical,
+            debug_settings: Default::default(),
+            buffer_device_address: false,
+            allocation_sizes: gpu_allocator::AllocationSizes::default(),
+        })
+        .map_err(|e| Error::Device(format!("{}: no memory allocator: {e}", info.name)))?;
+        Ok(Inner {
+            loader: None,
+            instance: instance.clone(),
+            device,
+            queue_family,
+            queue: vk::Queue::null(),
+            info,
+            caps,
+            enabled_features: vk::PhysicalDeviceFeatures::default(),
+            pipeline_cache: vk::PipelineCache::null(),
+            cache_file: None,
+            debug_utils: None,
+            allocator: Mutex::new(Some(allocator)),
+            allocated: AtomicU64::new(0),
+            budget: budget.unwrap_or(DEFAULT_BUDGET),
+            graveyard: Mutex::new(Vec::new()),
+            frame: AtomicU64::new(1),
+            next_id: AtomicU64::new(1),
+        })
+    }
+
+    fn destroy(&self, garbage: Vec<(u64, Garbage)>) {
+        let mut allocator = lock(&self.allocator);
+        if let Some(allocator) = allocator.as_mut() {
+            for (_, item) in garbage {
+                item.destroy(&self.device, allocator, &self.allocated);
+            }
+        }
+    }
+}
+
+impl Drop for Inner {
+    fn drop(&mut self) {
+        if self.loader.is_some() {
+            // SAFETY: the device is ours. A lost device has nothing in flight either.
+            let _ = unsafe { self.device.device_wait_idle() };
+        }
+        let garbage = std::mem::take(&mut *lock(&self.graveyard));
+        self.destroy(garbage);
+        // The allocator frees its memory blocks while the device still lives.
+        drop(lock(&self.allocator).take());
+        if let Some(loader) = self.loader.take() {
+            if let Some(file) = &self.cache_file {
+                file.save(&self.device, self.pipeline_cache);
+            }
+            // SAFETY: everything made from the device is gone: the last clone of the context is being dropped, and
+            // every object holds one.
+            unsafe {
+                self.device.destroy_pipeline_cache(self.pipeline_cache, None);
+                self.device.destroy_device(None);
+            }
+            loader.destroy();
+        }
+    }
+}
+

@@ -1,0 +1,400 @@
+//! Buffers and images: named, counted against the context's budget, freed only when the GPU is done with them.
+
+use super::access::ResourceState;
+use super::context::{lock, vulkan, Context};
+use crate::{Error, Result};
+use ash::vk;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
+use gpu_allocator::MemoryLocation;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+/// A Vulkan object on its way out.
+pub(crate) enum Garbage {
+    Buffer(vk::Buffer, Option<Allocation>),
+    Image(vk::Image, vk::ImageView, Option<Allocation>),
+    Pipeline(vk::Pipeline, vk::PipelineLayout, vk::DescriptorSetLayout),
+    DescriptorPool(vk::DescriptorPool),
+    RenderPass(vk::RenderPass),
+    Framebuffer(vk::Framebuffer),
+    QueryPool(vk::QueryPool),
+}
+
+impl Garbage {
+    pub fn destroy(self, device: &ash::Device, allocator: &mut Allocator, allocated: &AtomicU64) {
+        let mut free = |allocation: Option<Allocation>| {
+            if let Some(allocation) = allocation {
+                allocated.fetch_sub(allocation.size(), Ordering::Relaxed);
+                // Freeing only fails for a foreign allocation, and these are all the allocator's own.
+                let _ = allocator.free(allocation);
+            }
+        };
+        // SAFETY: the context destroys garbage only when the GPU is done with the frame in which it was dropped, and
+        // the handles are owned: each is here once. Null handles are ignored by Vulkan.
+        unsafe {
+            match self {
+                Garbage::Buffer(buffer, allocation) => {
+                    device.destroy_buffer(buffer, None);
+                    free(allocation);
+                }
+                Garbage::Image(image, view, allocation) => {
+                    device.destroy_image_view(view, None);
+                    device.destroy_image(image, None);
+                    free(allocation);
+                }
+                Garbage::Pipeline(pipeline, layout, set_layout) => {
+                    device.destroy_pipeline(pipeline, None);
+                    device.destroy_pipeline_layout(layout, None);
+                    device.destroy_descriptor_set_layout(set_layout, None);
+                }
+                Garbage::DescriptorPool(pool) => device.destroy_descriptor_pool(pool, None),
+                Garbage::RenderPass(pass) => device.destroy_render_pass(pass, None),
+                Garbage::Framebuffer(framebuffer) => device.destroy_framebuffer(framebuffer, None),
+                Garbage::QueryPool(pool) => device.destroy_query_pool(pool, None),
+            }
+        }
+    }
+}
+
+/// What a buffer is for, which decides its usage flags and where it lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BufferKind {
+    /// Read and written by shaders; lies on the device.
+    Storage,
+    /// Small constants that shaders read; lies on the device.
+    Uniform,
+    /// Vertices and indices; lies on the device.
+    Geometry,
+    /// Written by the host, copied from by the GPU.
+    Upload,
+    /// Copied to by the GPU, read by the host.
+    Readback,
+}
+
+/// A linear piece of memory. Clones are the same buffer.
+#[derive(Clone)]
+pub struct Buffer(Arc<BufferInner>);
+
+struct BufferInner {
+    context: Context,
+    handle: vk::Buffer,
+    allocation: Option<Allocation>,
+    bytes: u64,
+    id: u64,
+    state: Mutex<ResourceState>,
+}
+
+impl Buffer {
+    /// Makes a buffer of `bytes` bytes; its content is undefined.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] when the context's budget does not allow it, [`Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context, name: &str, kind: BufferKind, bytes: u64) -> Result<Self> {
+        Ok(Buffer(Arc::new(BufferInner::new(context, name, kind, bytes)?)))
+    }
+
+    /// Makes an upload buffer that holds `data`.
+    pub fn upload(context: &Context, name: &str, data: &[u8]) -> Result<Self> {
+        let mut buffer = BufferInner::new(context, name, BufferKind::Upload, data.len() as u64)?;
+        let memory = buffer.allocation.as_mut().and_then(Allocation::mapped_slice_mut);
+        let Some(memory) = memory else { return Err(Error::Device(format!("{name}: upload memory is not mapped"))) };
+        memory[..data.len()].copy_from_slice(data);
+        Ok(Buffer(Arc::new(buffer)))
+    }
+
+    /// What the GPU wrote to a readback buffer; to be called after the submission is known to be done.
+    pub fn mapped(&self) -> &[u8] {
+        let all = self.0.allocation.as_ref().and_then(Allocation::mapped_slice).unwrap_or_default();
+        &all[..all.len().min(self.0.bytes as usize)]
+    }
+
+    /// Its size in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.0.bytes
+    }
+
+    pub(crate) fn handle(&self) -> vk::Buffer {
+        self.0.handle
+    }
+
+    pub(crate) fn id(&self) -> u64 {
+        self.0.id
+    }
+
+    pub(crate) fn state(&self) -> MutexGuard<'_, ResourceState> {
+        lock(&self.0.state)
+    }
+}
+
+impl BufferInner {
+    fn new(context: &Context, name: &str, kind: BufferKind, bytes: u64) -> Result<Self> {
+        use vk::BufferUsageFlags as U;
+        let (usage, location) = match kind {
+            BufferKind::Storage => {
+                (U::STORAGE_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly)
+            }
+            BufferKind::Uniform => (U::UNIFORM_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
+            BufferKind::Geometry => {
+                (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly)
+            }
+            BufferKind::Upload => (U::TRANSFER_SRC, MemoryLocation::CpuToGpu),
+            BufferKind::Readback => (U::TRANSFER_DST, MemoryLocation::GpuToCpu),
+        };
+        let bytes = bytes.max(4);
+        if kind == BufferKind::Storage && bytes > context.caps().max_storage_buffer_bytes {
+            let limit = context.caps().max_storage_buffer_bytes;
+            return Err(Error::Memory { what: name.to_owned(), needed: bytes, available: limit });
+        }
+        let device = context.device();
+        let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
+        // SAFETY: a plain creation on a live device.
+        let (handle, requirements) = unsafe {
+            let handle = device.create_buffer(&info, None).map_err(vulkan("vkCreateBuffer"))?;
+            (handle, device.get_buffer_memory_requirements(handle))
+        };
+        // From here on dropping `buffer` frees what there is of it.
+        let mut buffer = BufferInner {
+            context: context.clone(),
+            handle,
+            allocation: None,
+            bytes,
+            id: context.next_id(),
+            state: Mutex::new(ResourceState::fresh()),
+        };
+        let allocation = allocate(context, name, requirements, location, true)?;
+        // SAFETY: the memory was allocated for this buffer's requirements and is bound once.
+        unsafe { device.bind_buffer_memory(handle, allocation.memory(), allocation.offset()) }
+            .map_err(vulkan("vkBindBufferMemory"))?;
+        buffer.allocation = Some(allocation);
+        context.name(handle, name);
+        Ok(buffer)
+    }
+}
+
+impl Drop for BufferInner {
+    fn drop(&mut self) {
+        self.context.bury(Garbage::Buffer(self.handle, self.allocation.take()));
+    }
+}
+
+/// How to make an [`Image`].
+#[derive(Debug, Clone, Copy)]
+pub struct ImageDesc {
+    /// Width, height and depth, texels; depth 1 makes a 2D image.
+    pub size_px: [u32; 3],
+    /// The format.
+    pub format: vk::Format,
+    /// What it is used for.
+    pub usage: vk::ImageUsageFlags,
+}
+
+impl ImageDesc {
+    /// A 2D image for compute shaders and copies.
+    pub fn storage_2d(width_px: u32, height_px: u32, format: vk::Format) -> Self {
+        use vk::ImageUsageFlags as U;
+        let usage = U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
+        ImageDesc { size_px: [width_px, height_px, 1], format, usage }
+    }
+}
+
+/// A 2D or 3D image of one level with a view of the whole of it. Clones are the same image.
+#[derive(Clone)]
+pub struct Image(Arc<ImageInner>);
+
+struct ImageInner {
+    context: Context,
+    handle: vk::Image,
+    view: vk::ImageView,
+    /// `None` when the image is a host's.
+    allocation: Option<Allocation>,
+    owned: bool,
+    desc: ImageDesc,
+    id: u64,
+    state: Mutex<ResourceState>,
+}
+
+impl Image {
+    /// Makes an image; its content is undefined.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a size of 0 or over the device's limit, [`Error::Memory`] when the budget does not
+    /// allow it, [`Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context, name: &str, desc: &ImageDesc) -> Result<Self> {
+        let limit = context.caps().max_image_2d_px;
+        let [width, height, depth] = desc.size_px;
+        if width == 0 || height == 0 || depth == 0 || width > limit || height > limit {
+            return Err(Error::parameter(
+                "image size",
+                format!("{width}x{height}x{depth}"),
+                format!("1 to {limit} pixels a side on this device"),
+            ));
+        }
+        let device = context.device();
+        let (kind, view_kind) = match depth {
+            1 => (vk::ImageType::TYPE_2D, vk::ImageViewType::TYPE_2D),
+            _ => (vk::ImageType::TYPE_3D, vk::ImageViewType::TYPE_3D),
+        };
+        let info = vk::ImageCreateInfo::default()
+            .image_type(kind)
+            .format(desc.format)
+            .extent(vk::Extent3D { width, height, depth })
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .usage(desc.usage);
+        // SAFETY: a plain creation on a live device.
+        let (handle, requirements) = unsafe {
+            let handle = device.create_image(&info, None).map_err(vulkan("vkCreateImage"))?;
+            (handle, device.get_image_memory_requirements(handle))
+        };
+        // From here on dropping `image` frees what there is of it.
+        let mut image = ImageInner {
+            context: context.clone(),
+            handle,
+            view: vk::ImageView::null(),
+            allocation: None,
+            owned: true,
+            desc: *desc,
+            id: context.next_id(),
+            state: Mutex::new(ResourceState::fresh()),
+        };
+        let allocation = allocate(context, name, requirements, MemoryLocation::GpuOnly, false)?;
+        // SAFETY: the memory was allocated for this image's requirements and is bound once.
+        unsafe { device.bind_image_memory(handle, allocation.memory(), allocation.offset()) }
+            .map_err(vulkan("vkBindImageMemory"))?;
+        image.allocation = Some(allocation);
+        let view = vk::ImageViewCreateInfo::default()
+            .image(handle)
+            .view_type(view_kind)
+            .format(desc.format)
+            .subresource_range(whole_range(desc.format));
+        // SAFETY: the image is live and bound.
+        image.view = unsafe { device.create_image_view(&view, None) }.map_err(vulkan("vkCreateImageView"))?;
+        context.name(handle, name);
+        Ok(Image(Arc::new(image)))
+    }
+
+    /// Wraps a host's image. It is not destroyed with the wrapper.
+    ///
+    /// # Safety
+    /// `handle` and `view` must be live on the context's device for as long as the wrapper and the work recorded with
+    /// it, fit `desc`, and be in `state` when the commands recorded with it run.
+    pub unsafe fn from_host(
+        context: &Context,
+        handle: vk::Image,
+        view: vk::ImageView,
+        desc: &ImageDesc,
+        state: ResourceState,
+    ) -> Self {
+        Image(Arc::new(ImageInner {
+            context: context.clone(),
+            handle,
+            view,
+            allocation: None,
+            owned: false,
+            desc: *desc,
+            id: context.next_id(),
+            state: Mutex::new(state),
+        }))
+    }
+
+    /// Width, height and depth in texels.
+    pub fn size_px(&self) -> [u32; 3] {
+        self.0.desc.size_px
+    }
+
+    /// The format.
+    pub fn format(&self) -> vk::Format {
+        self.0.desc.format
+    }
+
+    /// The Vulkan image, for hosts that read from it themselves.
+    pub fn handle(&self) -> vk::Image {
+        self.0.handle
+    }
+
+    /// The view of the whole image.
+    pub fn view(&self) -> vk::ImageView {
+        self.0.view
+    }
+
+    /// The layout in which all that was recorded so far leaves the image.
+    pub fn layout(&self) -> vk::ImageLayout {
+        self.state().layout()
+    }
+
+    pub(crate) fn id(&self) -> u64 {
+        self.0.id
+    }
+
+    pub(crate) fn state(&self) -> MutexGuard<'_, ResourceState> {
+        lock(&self.0.state)
+    }
+
+    pub(crate) fn range(&self) -> vk::ImageSubresourceRange {
+        whole_range(self.0.desc.format)
+    }
+
+    /// The copy region that covers all of it, tightly packed in a buffer.
+    pub(crate) fn whole(&self) -> vk::BufferImageCopy {
+        let [width, height, depth] = self.0.desc.size_px;
+        let range = self.range();
+        vk::BufferImageCopy::default()
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: range.aspect_mask,
+                mip_level: 0,
+                base_array_layer: 0,
+                layer_count: 1,
+            })
+            .image_extent(vk::Extent3D { width, height, depth })
+    }
+
+    /// Texels in all.
+    pub fn texels(&self) -> u64 {
+        self.0.desc.size_px.iter().map(|&s| u64::from(s)).product()
+    }
+}
+
+impl Drop for ImageInner {
+    fn drop(&mut self) {
+        if self.owned {
+            self.context.bury(Garbage::Image(self.handle, self.view, self.allocation.take()));
+        }
+    }
+}
+
+fn whole_range(format: vk::Format) -> vk::ImageSubresourceRange {
+    let depth = matches!(format, vk::Format::D32_SFLOAT | vk::Format::X8_D24_UNORM_PACK32);
+    let aspect = if depth { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR };
+    vk::ImageSubresourceRange { aspect_mask: aspect, base_mip_level: 0, level_count: 1, base_array_layer: 0, layer_count: 1 }
+}
+
+fn allocate(
+    context: &Context,
+    name: &str,
+    requirements: vk::MemoryRequirements,
+    location: MemoryLocation,
+    linear: bool,
+) -> Result<Allocation> {
+    let inner = context.inner();
+    let used = inner.allocated.load(Ordering::Relaxed);
+    if used.saturating_add(requirements.size) > inner.budget {
+        let available = inner.budget.saturating_sub(used);
+        return Err(Error::Memory { what: name.to_owned(), needed: requirements.size, available });
+    }
+    let mut allocator = lock(&inner.allocator);
+    let Some(allocator) = allocator.as_mut() else {
+        return Err(Error::Device("the context is being torn down".to_owned()));
+    };
+    let allocation = allocator
+        .allocate(&AllocationCreateDesc {
+            name,
+            requirements,
+            location,
+            linear,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        })
+        .map_err(|e| Error::Device(format!("{name}: {} bytes of GPU memory could not be had: {e}", requirements.size)))?;
+    inner.allocated.fetch_add(allocation.size(), Ordering::Relaxed);
+    Ok(allocation)
+}

@@ -1,0 +1,33 @@
+//! Every Vulkan call of the crate, and every `unsafe` (the C boundary aside). Knows nothing of paint.
+//!
+//! A [`Context`] owns a device or borrows a host's. On it stand [`Buffer`]s and [`Image`]s (freed only when the GPU
+//! is done with them), pipelines with their [`BindingSet`]s, and explicit render passes. A [`Recorder`] writes *passes*
+//! into a command buffer that it is given: each pass declares what it reads and writes ([`Access`]), and label, timer
+//! and barriers are derived from that in one place. Nothing here submits but the headless [`Runner`], which is just
+//! one more host.
+
+mod access;
+mod caps;
+mod context;
+mod memory;
+mod pipeline;
+mod recorder;
+mod render_pass;
+mod runner;
+mod timing;
+mod upload;
+mod validation;
+
+pub use access::{Access, Barrier, ResourceState};
+pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
+pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
+pub use memory::{Buffer, BufferKind, Image, ImageDesc};
+pub use pipeline::{BindingKind, BindingSet, Bound, ComputePipeline, PipelineCacheFile, Shader};
+pub use recorder::{Recorder, Use};
+pub use render_pass::{Attachment, Framebuffer, RasterDesc, RasterPipeline, RenderPass, VertexAttribute};
+pub use runner::Runner;
+pub use timing::{PassTime, PassTimer};
+pub use upload::Uploads;
+
+/// The Vulkan version that is asked for, and all that is needed of a device.
+pub const API_VERSION: u32 = ash::vk::API_VERSION_1_1;

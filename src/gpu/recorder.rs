@@ -1,0 +1,237 @@
+//! Passes recorded into a command buffer that is given: label, timer and barriers at one choke point.
+//!
+//! # What is synchronised, and where
+//! Every resource remembers how it was last touched in recording order. [`Recorder::pass`] looks at what the next pass
+//! declares, derives the barriers ([`super::ResourceState::transition`]) and records them as one
+//! `vkCmdPipelineBarrier` before the pass. Command buffers must therefore run in the order in which they were recorded,
+//! on one queue. Inside a pass nothing is synchronised: its dispatches must not depend on each other.
+
+use super::access::{Access, Barrier};
+use super::context::Context;
+use super::memory::{Buffer, Image};
+use super::pipeline::{BindingSet, Bound, ComputePipeline};
+use super::timing::PassTimer;
+use ash::vk;
+
+/// One resource of a pass and how the pass touches it.
+#[derive(Clone, Copy)]
+pub enum Use<'a> {
+    /// A buffer.
+    Buffer(&'a Buffer, Access),
+    /// An image.
+    Image(&'a Image, Access),
+}
+
+/// Records passes into one command buffer. Never submits, waits, allocates GPU memory or compiles.
+pub struct Recorder<'a> {
+    context: &'a Context,
+    commands: vk::CommandBuffer,
+    timer: Option<&'a mut PassTimer>,
+    omit_barriers: bool,
+}
+
+impl<'a> Recorder<'a> {
+    /// Records into `commands`, timing passes with `timer` where one is given.
+    ///
+    /// # Safety
+    /// `commands` must be a live primary command buffer of the context's device and queue family, in the recording
+    /// state, outside of a render pass, used by nobody else while the recorder lives. Command buffers must be
+    /// submitted in the order in which they were recorded, to one queue, and the context's objects used here must
+    /// live until they have run (dropping them is fine: they are destroyed when the frame is safe).
+    pub unsafe fn new(context: &'a Context, commands: vk::CommandBuffer, timer: Option<&'a mut PassTimer>) -> Self {
+        let mut recorder = Recorder { context, commands, timer, omit_barriers: false };
+        if let Some(timer) = recorder.timer.as_deref_mut() {
+            timer.reset(context, commands);
+        }
+        recorder
+    }
+
+    /// The context that is recorded for.
+    pub fn context(&self) -> &Context {
+        self.context
+    }
+
+    /// Leaves out every barrier from here on. Only for the test that shows that validation would notice.
+    #[doc(hidden)]
+    pub fn omit_barriers(&mut self) {
+        self.omit_barriers = true;
+    }
+
+    /// Records one pass: barriers for `uses`, then `body` between label and timestamps.
+    pub(crate) fn pass(&mut self, name: &'static str, uses: &[Use<'_>], body: impl FnOnce(&ash::Device, vk::CommandBuffer)) {
+        let context = self.context;
+        let device = context.device();
+        self.barriers(uses);
+        let label = context.inner().debug_utils.as_ref();
+        if let Some(debug) = label {
+            // Names of passes are literals of ours and short; one with a NUL inside simply goes unlabelled.
+            let text = std::ffi::CString::new(name).unwrap_or_default();
+            // SAFETY: the command buffer is recording (`new`).
+            unsafe {
+                debug.cmd_begin_debug_utils_label(self.commands, &vk::DebugUtilsLabelEXT::default().label_name(&text));
+            }
+        }
+        let timed = self.timer.as_deref_mut().and_then(|timer| timer.begin(context, self.commands, name));
+        body(device, self.commands);
+        if let (Some(timer), Some(slot)) = (self.timer.as_deref_mut(), timed) {
+            timer.end(context, self.commands, slot);
+        }
+        if let Some(debug) = label {
+            // SAFETY: as above; closes the label opened there.
+            unsafe { debug.cmd_end_debug_utils_label(self.commands) };
+        }
+    }
+
+    fn barriers(&mut self, uses: &[Use<'_>]) {
+        let mut src = vk::PipelineStageFlags::empty();
+        let mut dst = vk::PipelineStageFlags::empty();
+        // Buffers share one memory barrier; images have their own for the layout.
+        let mut memory = vk::MemoryBarrier::default();
+        let mut any_memory = false;
+        let mut images: Vec<vk::ImageMemoryBarrier<'_>> = Vec::with_capacity(uses.len());
+        for (i, one) in uses.iter().enumerate() {
+            debug_assert!(
+                uses[..i].iter().all(|other| match (other, one) {
+                    (Use::Buffer(a, _), Use::Buffer(b, _)) => a.id() != b.id(),
+                    (Use::Image(a, _), Use::Image(b, _)) => a.id() != b.id(),
+                    _ => true,
+                }),
+                "a pass declares each resource once"
+            );
+            let barrier: Option<Barrier> = match one {
+                Use::Buffer(buffer, access) => buffer.state().transition(*access, false),
+                Use::Image(image, access) => image.state().transition(*access, true),
+            };
+            let Some(barrier) = barrier else { continue };
+            src |= barrier.src_stages;
+            dst |= barrier.dst_stages;
+            match one {
+                Use::Buffer(..) => {
+                    memory.src_access_mask |= barrier.src_access;
+                    memory.dst_access_mask |= barrier.dst_access;
+                    any_memory = true;
+                }
+                Use::Image(image, _) => images.push(
+                    vk::ImageMemoryBarrier::default()
+                        .src_access_mask(barrier.src_access)
+                        .dst_access_mask(barrier.dst_access)
+                        .old_layout(barrier.old_layout)
+                        .new_layout(barrier.new_layout)
+                        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                        .image(image.handle())
+                        .subresource_range(image.range()),
+                ),
+            }
+        }
+        if src.is_empty() || self.omit_barriers {
+            return;
+        }
+        let memory = [memory];
+        let memory = if any_memory { &memory[..] } else { &[] };
+        // SAFETY: the command buffer is recording outside of a render pass (`new`); the images are live.
+        unsafe {
+            let none = vk::DependencyFlags::empty();
+            self.context.device().cmd_pipeline_barrier(self.commands, src, dst, none, memory, &[], &images);
+        }
+    }
+
+    /// One dispatch of `pipeline` as a pass of its own, with `push` as its push constants.
+    /// Barriers follow from the shader's table of bindings.
+    pub(crate) fn dispatch<P: bytemuck::NoUninit>(
+        &mut self,
+        pipeline: &ComputePipeline,
+        set: &BindingSet,
+        push: &P,
+        groups: [u32; 3],
+    ) {
+        let shader = &pipeline.shader;
+        let bytes = bytemuck::bytes_of(push);
+        debug_assert_eq!(bytes.len(), shader.push_bytes as usize, "push constants of {}", shader.name);
+        if groups.contains(&0) {
+            return;
+        }
+        let uses: Vec<Use<'_>> = set
+            .bound
+            .iter()
+            .zip(shader.bindings)
+            .map(|(bound, kind)| match bound {
+                Bound::Buffer(buffer) => Use::Buffer(buffer, kind.access()),
+                Bound::Image(image) => Use::Image(image, kind.access()),
+            })
+            .collect();
+        self.pass(shader.name, &uses, |device, commands| {
+            let point = vk::PipelineBindPoint::COMPUTE;
+            // SAFETY: pipeline and set are live, made for each other (`BindingSet::new`), and the set's resources are
+            // in the state that the barriers above have brought them to.
+            unsafe {
+                device.cmd_bind_pipeline(commands, point, pipeline.handle);
+                device.cmd_bind_descriptor_sets(commands, point, pipeline.layout, 0, &[set.set], &[]);
+                if !bytes.is_empty() {
+                    device.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, bytes);
+                }
+                device.cmd_dispatch(commands, groups[0], groups[1], groups[2]);
+            }
+        });
+    }
+
+    /// Copies all of `from` to the start of `to`.
+    pub(crate) fn copy_buffer(&mut self, name: &'static str, from: &Buffer, to: &Buffer) {
+        let region = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size: from.bytes().min(to.bytes()) }];
+        let uses = [Use::Buffer(from, Access::TransferRead), Use::Buffer(to, Access::TransferWrite)];
+        self.pass(name, &uses, |device, commands| {
+            // SAFETY: both buffers are live and at least `size` bytes large.
+            unsafe { device.cmd_copy_buffer(commands, from.handle(), to.handle(), &region) };
+        });
+    }
+
+    /// Writes `data` (at most 65,536 bytes, a multiple of 4) into a buffer in the stream of commands.
+    pub(crate) fn update_buffer(&mut self, name: &'static str, to: &Buffer, data: &[u8]) {
+        debug_assert!(data.len() <= 65_536 && data.len() % 4 == 0 && data.len() as u64 <= to.bytes());
+        self.pass(name, &[Use::Buffer(to, Access::TransferWrite)], |device, commands| {
+            // SAFETY: size and alignment are as Vulkan wants them; the data is copied at once.
+            unsafe { device.cmd_update_buffer(commands, to.handle(), 0, data) };
+        });
+    }
+
+    /// Fills an image with the tightly packed texels in `from`.
+    pub(crate) fn upload_image(&mut self, name: &'static str, from: &Buffer, to: &Image) {
+        let uses = [Use::Buffer(from, Access::TransferRead), Use::Image(to, Access::TransferDiscard)];
+        self.pass(name, &uses, |device, commands| {
+            let layout = Access::TransferDiscard.info().layout;
+            // SAFETY: `from` holds the image's texels: callers upload exactly one image's worth.
+            unsafe { device.cmd_copy_buffer_to_image(commands, from.handle(), to.handle(), layout, &[to.whole()]) };
+        });
+    }
+
+    /// Copies an image's texels, tightly packed, to `to`.
+    pub(crate) fn download_image(&mut self, name: &'static str, from: &Image, to: &Buffer) {
+        let uses = [Use::Image(from, Access::TransferRead), Use::Buffer(to, Access::TransferWrite)];
+        self.pass(name, &uses, |device, commands| {
+            let layout = Access::TransferRead.info().layout;
+            // SAFETY: `to` was made large enough for the image's texels.
+            unsafe { device.cmd_copy_image_to_buffer(commands, from.handle(), layout, to.handle(), &[from.whole()]) };
+        });
+        // What the host reads after its wait must be made visible to it.
+        self.barriers(&[Use::Buffer(to, Access::HostRead)]);
+    }
+
+    /// Copies a buffer to a readback buffer and makes it visible to the host.
+    pub(crate) fn download_buffer(&mut self, name: &'static str, from: &Buffer, to: &Buffer) {
+        self.copy_buffer(name, from, to);
+        self.barriers(&[Use::Buffer(to, Access::HostRead)]);
+    }
+
+    /// Sets every texel of the images to zero.
+    pub(crate) fn clear_images(&mut self, name: &'static str, images: &[&Image]) {
+        let uses: Vec<_> = images.iter().map(|image| Use::Image(image, Access::TransferDiscard)).collect();
+        self.pass(name, &uses, |device, commands| {
+            let layout = Access::TransferDiscard.info().layout;
+            for image in images {
+                let zero = vk::ClearColorValue { uint32: [0; 4] };
+                // SAFETY: the image is live, of a colour format and in the transfer layout.
+                unsafe { device.cmd_clear_color_image(commands, image.handle(), layout, &zero, &[image.range()]) };
+            }
+        });
+    }
+}

@@ -1,0 +1,360 @@
+//! Explicit render passes, framebuffers and raster pipelines.
+//!
+//! Attachments are cleared at the start and stored at the end. Their layouts are brought about by the recorder's
+//! barriers before the pass, so the render pass itself changes none.
+
+use super::access::Access;
+use super::context::{vulkan, Context};
+use super::memory::{Buffer, Garbage, Image};
+use super::pipeline::shader_module;
+use super::recorder::{Recorder, Use};
+use crate::Result;
+use ash::vk;
+
+/// One attachment of a render pass.
+#[derive(Debug, Clone, Copy)]
+pub struct Attachment {
+    /// Its format.
+    pub format: vk::Format,
+    /// True for the depth attachment, which must be the last one.
+    pub depth: bool,
+}
+
+impl Attachment {
+    fn layout(self) -> vk::ImageLayout {
+        self.access().info().layout
+    }
+
+    fn access(self) -> Access {
+        if self.depth {
+            Access::DepthAttachment
+        } else {
+            Access::ColorAttachment
+        }
+    }
+}
+
+/// A render pass of one subpass that clears and stores all of its attachments.
+pub struct RenderPass {
+    context: Context,
+    handle: vk::RenderPass,
+    attachments: Vec<Attachment>,
+}
+
+impl RenderPass {
+    /// Makes a render pass with these attachments, colour first.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context, name: &str, attachments: &[Attachment]) -> Result<Self> {
+        let descriptions: Vec<_> = attachments
+            .iter()
+            .map(|a| {
+                vk::AttachmentDescription::default()
+                    .format(a.format)
+                    .samples(vk::SampleCountFlags::TYPE_1)
+                    .load_op(vk::AttachmentLoadOp::CLEAR)
+                    .store_op(vk::AttachmentStoreOp::STORE)
+                    .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
+                    .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+                    .initial_layout(a.layout())
+                    .final_layout(a.layout())
+            })
+            .collect();
+        let reference = |i: usize, a: &Attachment| vk::AttachmentReference { attachment: i as u32, layout: a.layout() };
+        let (mut colors, mut depth) = (Vec::new(), None);
+        for (i, a) in attachments.iter().enumerate() {
+            if a.depth {
+                depth = Some(reference(i, a));
+            } else {
+                colors.push(reference(i, a));
+            }
+        }
+        let mut subpass = vk::SubpassDescription::default()
+            .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)
+            .color_attachments(&colors);
+        if let Some(depth) = &depth {
+            subpass = subpass.depth_stencil_attachment(depth);
+        }
+        let subpasses = [subpass];
+        let info = vk::RenderPassCreateInfo::default().attachments(&descriptions).subpasses(&subpasses);
+        // SAFETY: a plain creation on a live device.
+        let handle =
+            unsafe { context.device().create_render_pass(&info, None) }.map_err(vulkan("vkCreateRenderPass"))?;
+        context.name(handle, name);
+        Ok(RenderPass { context: context.clone(), handle, attachments: attachments.to_vec() })
+    }
+}
+
+impl Drop for RenderPass {
+    fn drop(&mut self) {
+        self.context.bury(Garbage::RenderPass(self.handle));
+    }
+}
+
+/// The images that a render pass draws to. Keeps them alive.
+pub struct Framebuffer {
+    context: Context,
+    handle: vk::Framebuffer,
+    images: Vec<Image>,
+    extent: vk::Extent2D,
+}
+
+impl Framebuffer {
+    /// Binds `images`, all of one size, to the attachments of `pass`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context, pass: &RenderPass, images: &[&Image]) -> Result<Self> {
+        let size = images.first().map_or([1, 1, 1], |image| image.size_px());
+        let views: Vec<_> = images.iter().map(|image| image.view()).collect();
+        let info = vk::FramebufferCreateInfo::default()
+            .render_pass(pass.handle)
+            .attachments(&views)
+            .width(size[0])
+            .height(size[1])
+            .layers(1);
+        // SAFETY: the views are live and kept so by `images`.
+        let handle =
+            unsafe { context.device().create_framebuffer(&info, None) }.map_err(vulkan("vkCreateFramebuffer"))?;
+        Ok(Framebuffer {
+            context: context.clone(),
+            handle,
+            images: images.iter().map(|&image| image.clone()).collect(),
+            extent: vk::Extent2D { width: size[0], height: size[1] },
+        })
+    }
+}
+
+impl Drop for Framebuffer {
+    fn drop(&mut self) {
+        self.context.bury(Garbage::Framebuffer(self.handle));
+    }
+}
+
+/// One value of a vertex.
+#[derive(Debug, Clone, Copy)]
+pub struct VertexAttribute {
+    /// Its format; location is its place in the list.
+    pub format: vk::Format,
+    /// Its place in the vertex, bytes.
+    pub offset_bytes: u32,
+}
+
+/// How to make a [`RasterPipeline`]: triangles, no culling, depth test LESS where there is a depth attachment.
+pub struct RasterDesc<'a> {
+    /// The pass's name.
+    pub name: &'static str,
+    /// SPIR-V of the vertex shader.
+    pub vertex_spirv: &'a [u8],
+    /// SPIR-V of the fragment shader.
+    pub fragment_spirv: &'a [u8],
+    /// Size of a vertex, bytes.
+    pub vertex_bytes: u32,
+    /// What a vertex holds.
+    pub attributes: &'a [VertexAttribute],
+}
+
+/// A vertex and a fragment shader with one uniform buffer at binding 0, ready to draw indexed triangles.
+pub struct RasterPipeline {
+    context: Context,
+    name: &'static str,
+    handle: vk::Pipeline,
+    layout: vk::PipelineLayout,
+    set_layout: vk::DescriptorSetLayout,
+    pool: vk::DescriptorPool,
+    set: vk::DescriptorSet,
+    uniforms: Buffer,
+}
+
+impl RasterPipeline {
+    /// Compiles the pipeline for `pass`, with `uniforms` bound at binding 0 of set 0 for both stages.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context, pass: &RenderPass, desc: &RasterDesc<'_>, uniforms: &Buffer) -> Result<Self> {
+        let device = context.device();
+        let mut pipeline = RasterPipeline {
+            context: context.clone(),
+            name: desc.name,
+            handle: vk::Pipeline::null(),
+            layout: vk::PipelineLayout::null(),
+            set_layout: vk::DescriptorSetLayout::null(),
+            pool: vk::DescriptorPool::null(),
+            set: vk::DescriptorSet::null(),
+            uniforms: uniforms.clone(),
+        };
+        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        let binding = [vk::DescriptorSetLayoutBinding::default()
+            .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
+            .descriptor_count(1)
+            .stage_flags(stages)];
+        let sizes = [vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER, descriptor_count: 1 }];
+        // SAFETY: plain creations on a live device; what was made is owned by `pipeline` and freed if a later call
+        // fails; the uniform buffer is kept alive by it too.
+        unsafe {
+            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&binding);
+            pipeline.set_layout =
+                device.create_descriptor_set_layout(&info, None).map_err(vulkan("vkCreateDescriptorSetLayout"))?;
+            let layouts = [pipeline.set_layout];
+            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
+            pipeline.layout = device.create_pipeline_layout(&info, None).map_err(vulkan("vkCreatePipelineLayout"))?;
+            let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+            pipeline.pool = device.create_descriptor_pool(&info, None).map_err(vulkan("vkCreateDescriptorPool"))?;
+            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pipeline.pool).set_layouts(&layouts);
+            let sets = device.allocate_descriptor_sets(&info).map_err(vulkan("vkAllocateDescriptorSets"))?;
+            pipeline.set = sets.first().copied().unwrap_or_default();
+            let buffer =
+                [vk::DescriptorBufferInfo { buffer: uniforms.handle(), offset: 0, range: vk::WHOLE_SIZE }];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(pipeline.set)
+                .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
+                .buffer_info(&buffer);
+            device.update_descriptor_sets(&[write], &[]);
+        }
+        pipeline.handle = pipeline.build(pass, desc)?;
+        context.name(pipeline.handle, desc.name);
+        Ok(pipeline)
+    }
+
+    fn build(&self, pass: &RenderPass, desc: &RasterDesc<'_>) -> Result<vk::Pipeline> {
+        let device = self.context.device();
+        let vertex = shader_module(&self.context, desc.name, desc.vertex_spirv)?;
+        let fragment = match shader_module(&self.context, desc.name, desc.fragment_spirv) {
+            Ok(module) => module,
+            Err(error) => {
+                // SAFETY: nothing uses the module.
+                unsafe { device.destroy_shader_module(vertex, None) };
+                return Err(error);
+            }
+        };
+        let stage = |flag, module| {
+            vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module).name(c"main")
+        };
+        let stages =
+            [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
+        let bindings = [vk::VertexInputBindingDescription::default().stride(desc.vertex_bytes)];
+        let attributes: Vec<_> = (0..)
+            .zip(desc.attributes)
+            .map(|(location, a)| {
+                vk::VertexInputAttributeDescription::default()
+                    .location(location)
+                    .format(a.format)
+                    .offset(a.offset_bytes)
+            })
+            .collect();
+        let input = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(&bindings)
+            .vertex_attribute_descriptions(&attributes);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .cull_mode(vk::CullModeFlags::NONE)
+            .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+            .line_width(1.0);
+        let samples = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let has_depth = pass.attachments.iter().any(|a| a.depth);
+        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(has_depth)
+            .depth_write_enable(has_depth)
+            .depth_compare_op(vk::CompareOp::LESS);
+        let write_all = vk::PipelineColorBlendAttachmentState::default()
+            .color_write_mask(vk::ColorComponentFlags::RGBA);
+        let blends = vec![write_all; pass.attachments.iter().filter(|a| !a.depth).count()];
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
+        let dynamics = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamics);
+        let info = [vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
+            .vertex_input_state(&input)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&raster)
+            .multisample_state(&samples)
+            .depth_stencil_state(&depth)
+            .color_blend_state(&blend)
+            .dynamic_state(&dynamic)
+            .layout(self.layout)
+            .render_pass(pass.handle)];
+        // SAFETY: every pointer in `info` outlives the call; the modules are not needed after it.
+        let made = unsafe {
+            let made = device.create_graphics_pipelines(self.context.inner().pipeline_cache, &info, None);
+            device.destroy_shader_module(vertex, None);
+            device.destroy_shader_module(fragment, None);
+            made
+        };
+        let pipelines = made.map_err(|(_, result)| vulkan("vkCreateGraphicsPipelines")(result))?;
+        Ok(pipelines.first().copied().unwrap_or_default())
+    }
+}
+
+impl Drop for RasterPipeline {
+    fn drop(&mut self) {
+        self.context.bury(Garbage::Pipeline(self.handle, self.layout, self.set_layout));
+        self.context.bury(Garbage::DescriptorPool(self.pool));
+    }
+}
+
+impl Recorder<'_> {
+    /// Records one render pass that draws `index_count` indices (u32) of `indices` into `target`, cleared to zero and
+    /// the far depth first.
+    pub(crate) fn draw(
+        &mut self,
+        pass: &RenderPass,
+        target: &Framebuffer,
+        pipeline: &RasterPipeline,
+        vertices: &Buffer,
+        indices: &Buffer,
+        index_count: u32,
+    ) {
+        let mut uses = vec![
+            Use::Buffer(vertices, Access::VertexInput),
+            Use::Buffer(indices, Access::VertexInput),
+            Use::Buffer(&pipeline.uniforms, Access::RasterUniform),
+        ];
+        uses.extend(target.images.iter().zip(&pass.attachments).map(|(image, a)| Use::Image(image, a.access())));
+        let clears: Vec<_> = pass
+            .attachments
+            .iter()
+            .map(|a| {
+                if a.depth {
+                    vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } }
+                } else {
+                    vk::ClearValue { color: vk::ClearColorValue { uint32: [0; 4] } }
+                }
+            })
+            .collect();
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: target.extent };
+        let viewport = vk::Viewport {
+            x: 0.0,
+            y: 0.0,
+            width: target.extent.width as f32,
+            height: target.extent.height as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        self.pass(pipeline.name, &uses, |device, commands| {
+            let begin = vk::RenderPassBeginInfo::default()
+                .render_pass(pass.handle)
+                .framebuffer(target.handle)
+                .render_area(area)
+                .clear_values(&clears);
+            let point = vk::PipelineBindPoint::GRAPHICS;
+            // SAFETY: all objects are live and fit each other; the barriers have brought the attachments to the
+            // layouts that the render pass starts from; indices lie within the vertices (checked by the mesh).
+            unsafe {
+                device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
+                device.cmd_bind_pipeline(commands, point, pipeline.handle);
+                device.cmd_bind_descriptor_sets(commands, point, pipeline.layout, 0, &[pipeline.set], &[]);
+                device.cmd_set_viewport(commands, 0, &[viewport]);
+                device.cmd_set_scissor(commands, 0, &[area]);
+                device.cmd_bind_vertex_buffers(commands, 0, &[vertices.handle()], &[0]);
+                device.cmd_bind_index_buffer(commands, indices.handle(), 0, vk::IndexType::UINT32);
+                device.cmd_draw_indexed(commands, index_count, 1, 0, 0, 0);
+                device.cmd_end_render_pass(commands);
+            }
+        });
+    }
+}

@@ -1,0 +1,140 @@
+//! The headless host: records, submits, waits, reads back. Uses the library as any host would.
+
+use super::context::{vulkan, Context};
+use super::memory::{Buffer, BufferKind, Image};
+use super::recorder::Recorder;
+use super::timing::{PassTime, PassTimer};
+use crate::{Error, Result};
+use ash::vk;
+
+/// How long a submission may run before a runner calls it stuck; far beyond any driver's own watchdog.
+const TIMEOUT_NS: u64 = 120_000_000_000;
+const TIMED_PASSES: u32 = 4096;
+
+/// Runs recordings on a device of our own, one at a time.
+pub struct Runner {
+    context: Context,
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    timer: PassTimer,
+    times: Vec<PassTime>,
+    frame: u64,
+}
+
+impl Runner {
+    /// Makes a runner for a context that owns its device.
+    ///
+    /// # Errors
+    /// [`Error::Device`] for a borrowed device, where only the host may submit; [`Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context) -> Result<Self> {
+        if context.inner().queue == vk::Queue::null() {
+            return Err(Error::Device("a borrowed device is submitted to by its host, not by a runner".to_owned()));
+        }
+        let device = context.device();
+        let timer = PassTimer::new(context, TIMED_PASSES)?;
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(context.inner().queue_family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        // SAFETY: plain creations on a live device; `runner` frees what was made when a later call fails.
+        unsafe {
+            let pool = device.create_command_pool(&info, None).map_err(vulkan("vkCreateCommandPool"))?;
+            let mut runner = Runner {
+                context: context.clone(),
+                pool,
+                commands: vk::CommandBuffer::null(),
+                fence: vk::Fence::null(),
+                timer,
+                times: Vec::new(),
+                frame: context.frame(),
+            };
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+            let buffers = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?;
+            runner.commands = buffers.first().copied().unwrap_or_default();
+            runner.fence = device
+                .create_fence(&vk::FenceCreateInfo::default(), None)
+                .map_err(vulkan("vkCreateFence"))?;
+            Ok(runner)
+        }
+    }
+
+    /// Records with `record`, submits, and waits until the GPU is done.
+    ///
+    /// # Errors
+    /// Those of `record` (nothing is submitted then), and [`Error::Vulkan`] when a call fails or the work is stuck.
+    pub fn run<T>(&mut self, record: impl FnOnce(&mut Recorder<'_>) -> Result<T>) -> Result<T> {
+        let device = self.context.device();
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the last submission was waited for, so the command buffer is free; it is ours alone.
+        let value = unsafe {
+            device.begin_command_buffer(self.commands, &begin).map_err(vulkan("vkBeginCommandBuffer"))?;
+            let mut recorder = Recorder::new(&self.context, self.commands, Some(&mut self.timer));
+            let value = record(&mut recorder);
+            drop(recorder);
+            device.end_command_buffer(self.commands).map_err(vulkan("vkEndCommandBuffer"))?;
+            value?
+        };
+        let commands = [self.commands];
+        let submit = [vk::SubmitInfo::default().command_buffers(&commands)];
+        // SAFETY: queue, command buffer and fence are ours and idle.
+        unsafe {
+            device.queue_submit(self.context.inner().queue, &submit, self.fence).map_err(vulkan("vkQueueSubmit"))?;
+            device.wait_for_fences(&[self.fence], true, TIMEOUT_NS).map_err(vulkan("vkWaitForFences"))?;
+            device.reset_fences(&[self.fence]).map_err(vulkan("vkResetFences"))?;
+        }
+        for time in self.timer.read()? {
+            match self.times.iter_mut().find(|t| t.name == time.name) {
+                Some(sum) => {
+                    sum.count += time.count;
+                    sum.total_ns += time.total_ns;
+                }
+                None => self.times.push(time),
+            }
+        }
+        self.frame += 1;
+        self.context.advance(self.frame, self.frame - 1);
+        Ok(value)
+    }
+
+    /// The GPU time of all passes run so far, by name; forgets them.
+    pub fn take_times(&mut self) -> Vec<PassTime> {
+        std::mem::take(&mut self.times)
+    }
+
+    /// Reads an image's texels, tightly packed.
+    pub fn read_image(&mut self, image: &Image) -> Result<Vec<u8>> {
+        let texel = match image.format() {
+            vk::Format::R8G8B8A8_UNORM | vk::Format::R32_UINT | vk::Format::R32_SFLOAT | vk::Format::D32_SFLOAT => 4,
+            other => return Err(Error::Device(format!("images of format {other:?} are not read back"))),
+        };
+        let to = Buffer::new(&self.context, "readback", BufferKind::Readback, image.texels() * texel)?;
+        self.run(|recorder| {
+            recorder.download_image("readback", image, &to);
+            Ok(())
+        })?;
+        Ok(to.mapped().to_vec())
+    }
+
+    /// Reads a buffer.
+    pub fn read_buffer(&mut self, buffer: &Buffer) -> Result<Vec<u8>> {
+        let to = Buffer::new(&self.context, "readback", BufferKind::Readback, buffer.bytes())?;
+        self.run(|recorder| {
+            recorder.download_buffer("readback", buffer, &to);
+            Ok(())
+        })?;
+        Ok(to.mapped().to_vec())
+    }
+}
+
+impl Drop for Runner {
+    fn drop(&mut self) {
+        let device = self.context.device();
+        // SAFETY: after the wait nothing of ours is in flight; the handles are ours and freed once. A wait that fails
+        // means that the device is lost, and then nothing runs either.
+        unsafe {
+            let _ = device.device_wait_idle();
+            device.destroy_fence(self.fence, None);
+            device.destroy_command_pool(self.pool, None);
+        }
+    }
+}

@@ -1,0 +1,454 @@
+//! Image quilting on the GPU, free or guided: prepared once for a sample, an output size and parameters, then recorded
+//! as often as wanted.
+//!
+//! Three stages, named as their shaders: `quilt_guide` says which blocks are placed and where each is searched for;
+//! then, wave by wave, `quilt_search` compares the overlap of each block with every allowed position of the sample, and
+//! `quilt_place` chooses one, cuts it into its neighbours and pastes it. The blocks of a wave share no pixel, so that
+//! the result is that of placing them one by one (thesis 3.2.2; Efros and Freeman 2001; the oracle is
+//! [`super::quilt_oracle`]).
+//!
+//! Technique and command line give the sample and, for guided synthesis, the guide image; they get a canvas (8-bit
+//! texels) and, for each pixel, where in the sample it came from.
+
+use super::params::{BlockRecord, Layout, QuiltParams};
+use crate::gpu::{
+    Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Runner,
+    Shader, Uploads,
+};
+use crate::{Error, Result};
+use ash::vk;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
+const GROUP: u32 = 128;
+const TILE: u32 = 8;
+/// Memory for the errors of one dispatch; longer waves are cut.
+const ERRORS_BYTES: u64 = 64 << 20;
+/// Pixel comparisons after which a step of the search is cut, so that a submission can be kept short.
+const STEP_COMPARISONS: u64 = 200_000_000;
+
+pub(crate) const QUILT_GUIDE: Shader = Shader {
+    name: "quilt_guide",
+    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_guide.comp.spv"),
+    bindings: &[BindingKind::Image(Access::ComputeRead), BindingKind::Buffer(Access::ComputeReadWrite)],
+    push_bytes: size_of::<GuidePush>() as u32,
+};
+
+pub(crate) const QUILT_SEARCH: Shader = Shader {
+    name: "quilt_search",
+    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_search.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeWrite),
+        BindingKind::Buffer(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<SearchPush>() as u32,
+};
+
+pub(crate) const QUILT_PLACE: Shader = Shader {
+    name: "quilt_place",
+    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_place.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeReadWrite),
+        BindingKind::Image(Access::ComputeWrite),
+        BindingKind::Buffer(Access::ComputeReadWrite),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+    ],
+    push_bytes: size_of::<PlacePush>() as u32,
+};
+
+/// `Block` of quilt.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct BlockData {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+    sx0: u32,
+    sx1: u32,
+    state: u32,
+    admissible: u32,
+    sx: u32,
+    sy: u32,
+    error: u32,
+    min_error: u32,
+}
+
+const STATE_PLACED: u32 = 2;
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct GuidePush {
+    output: [u32; 2],
+    sample_width: u32,
+    block_px: u32,
+    guided: u32,
+    paint: u32,
+    window_px: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct SearchPush {
+    output: [u32; 2],
+    sample_height: u32,
+    block_px: u32,
+    overlap_px: u32,
+    tileable: u32,
+    first_block: u32,
+    first_group: u32,
+    groups_per_block: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct PlacePush {
+    output: [u32; 2],
+    sample_height: u32,
+    block_px: u32,
+    overlap_px: u32,
+    tileable: u32,
+    first_block: u32,
+    groups_per_block: u32,
+    columns: u32,
+    rows: u32,
+    tolerance: u32,
+    seed: u32,
+    frame: u32,
+}
+
+/// The compiled stages; one for a context serves every quilting.
+pub struct QuiltStages {
+    guide: ComputePipeline,
+    search: ComputePipeline,
+    place: ComputePipeline,
+}
+
+impl QuiltStages {
+    /// Compiles the stages.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context) -> Result<Arc<Self>> {
+        Ok(Arc::new(QuiltStages {
+            guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
+            search: ComputePipeline::new(context, &QUILT_SEARCH)?,
+            place: ComputePipeline::new(context, &QUILT_PLACE)?,
+        }))
+    }
+}
+
+/// A sample's 8-bit texels on the device.
+pub struct SampleTexels {
+    image: Image,
+    size: (u32, u32),
+}
+
+impl SampleTexels {
+    /// Stages `texels` (RGBA, row by row; alpha is ignored) for upload.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when the texels are not `size.0 * size.1`, or a side is over 4,096 px.
+    pub fn new(context: &Context, uploads: &mut Uploads, texels: &[[u8; 4]], size: (u32, u32)) -> Result<Self> {
+        let limit = super::params::MAX_SAMPLE_PX;
+        if size.0 == 0 || size.1 == 0 || size.0 > limit || size.1 > limit {
+            return Err(Error::parameter("sample size", format!("{}x{}", size.0, size.1), format!("1 to {limit} px a side")));
+        }
+        if texels.len() as u64 != u64::from(size.0) * u64::from(size.1) {
+            return Err(Error::parameter("sample texels", texels.len(), format!("{} x {}", size.0, size.1)));
+        }
+        // A tile of positions at the right edge reads up to TILE - 1 texels beyond it; they are there, and unused.
+        let width = size.0 + TILE;
+        let mut padded = vec![[0u8; 4]; width as usize * size.1 as usize];
+        for (to, from) in padded.chunks_exact_mut(width as usize).zip(texels.chunks_exact(size.0 as usize)) {
+            to[..from.len()].copy_from_slice(from);
+        }
+        let image = Image::new(context, "quilt sample", &ImageDesc::storage_2d(width, size.1, vk::Format::R32_UINT))?;
+        uploads.image(context, &image, bytemuck::cast_slice(&padded))?;
+        Ok(SampleTexels { image, size })
+    }
+
+    /// Width and height of the sample, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+}
+
+/// What guides a synthesis (thesis chapter 6).
+#[derive(Clone)]
+pub struct QuiltGuide {
+    /// R32_UINT, a texel a pixel: shade (0 to 255) in the low byte, the paint's number (from 1; 0 is background) in the
+    /// high half.
+    pub image: Image,
+    /// The number of the paint to synthesise; pixels of other paints count as background.
+    pub paint: u32,
+    /// How far, in columns, a block's position may lie from x0 = L * W_sample: k times the block size.
+    pub window_px: u32,
+}
+
+#[derive(Debug, Clone)]
+enum Step {
+    /// Clear the canvas, reset the blocks.
+    Begin,
+    /// Search for blocks `order[blocks]`, groups of positions `groups`.
+    Search { blocks: Range<u32>, groups: Range<u32> },
+    /// Place the same blocks.
+    Place { blocks: Range<u32> },
+}
+
+/// One quilting, ready to be recorded.
+pub struct Quilt {
+    stages: Arc<QuiltStages>,
+    params: QuiltParams,
+    layout: Layout,
+    sample_size: (u32, u32),
+    guide: Option<QuiltGuide>,
+    canvas: Image,
+    source: Image,
+    blocks: Buffer,
+    guide_set: BindingSet,
+    search_set: BindingSet,
+    place_set: BindingSet,
+    groups_per_block: u32,
+    steps: Vec<(Step, u64)>,
+}
+
+impl Quilt {
+    /// Prepares to quilt `output` = (width, height) pixels from `sample`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for parameters out of range (see [`QuiltParams::validate`]) and a guide that is not of the
+    /// output's size, [`Error::Memory`] when the budget does not allow it.
+    pub fn new(
+        context: &Context,
+        uploads: &mut Uploads,
+        stages: &Arc<QuiltStages>,
+        sample: &SampleTexels,
+        output: (u32, u32),
+        params: &QuiltParams,
+        guide: Option<QuiltGuide>,
+    ) -> Result<Self> {
+        params.validate(sample.size, output)?;
+        if let Some(guide) = &guide {
+            if guide.image.size_px() != [output.0, output.1, 1] {
+                let size = guide.image.size_px();
+                let allowed = format!("that of the output, {}x{}", output.0, output.1);
+                return Err(Error::parameter("guide size", format!("{}x{}", size[0], size[1]), allowed));
+            }
+        }
+        let layout = Layout::new(params, output)?;
+        let all_columns = sample.size.0 - params.block_px + 1;
+        let columns = match &guide {
+            Some(guide) => all_columns.min(guide.window_px.saturating_mul(2).saturating_add(1)),
+            None => all_columns,
+        };
+        let rows = sample.size.1 - params.block_px + 1;
+        let groups_per_block = (columns.div_ceil(TILE) * rows).div_ceil(GROUP);
+        let block_bytes = u64::from(groups_per_block) * u64::from(GROUP * TILE) * 4;
+        let longest = layout.waves.iter().map(Vec::len).max().unwrap_or(1) as u64;
+        let batch = (ERRORS_BYTES / block_bytes).clamp(1, longest) as u32;
+        let steps = steps(params, &layout, groups_per_block, batch, context.caps().max_group_count_x);
+
+        let order: Vec<u32> = layout.waves.iter().flatten().copied().collect();
+        let data: Vec<BlockData> = layout
+            .placements
+            .iter()
+            .map(|p| BlockData { x: p.x, y: p.y, width: p.width, height: p.height, ..bytemuck::Zeroable::zeroed() })
+            .collect();
+        let desc = ImageDesc::storage_2d(output.0, output.1, vk::Format::R32_UINT);
+        let canvas = Image::new(context, "quilt canvas", &desc)?;
+        let source = Image::new(context, "quilt source", &desc)?;
+        let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
+        let blocks = storage("quilt blocks", size_of_val(&data[..]) as u64)?;
+        let order_buffer = storage("quilt order", size_of_val(&order[..]) as u64)?;
+        let errors = storage("quilt errors", block_bytes * u64::from(batch))?;
+        let minima = storage("quilt group minima", u64::from(groups_per_block) * u64::from(batch) * 4)?;
+        uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
+        uploads.buffer(context, &order_buffer, bytemuck::cast_slice(&order))?;
+        let guide_image = guide.as_ref().map_or(&sample.image, |guide| &guide.image);
+        let (s, c, b, o, e, m) = (&sample.image, &canvas, &blocks, &order_buffer, &errors, &minima);
+        let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), b.into()])?;
+        let search_set = BindingSet::new(
+            context,
+            &stages.search,
+            &[s.into(), c.into(), b.into(), o.into(), e.into(), m.into()],
+        )?;
+        let place_set = BindingSet::new(
+            context,
+            &stages.place,
+            &[s.into(), c.into(), (&source).into(), b.into(), o.into(), e.into(), m.into()],
+        )?;
+        Ok(Quilt {
+            stages: stages.clone(),
+            params: *params,
+            layout,
+            sample_size: sample.size,
+            guide,
+            canvas,
+            source,
+            blocks,
+            guide_set,
+            search_set,
+            place_set,
+            groups_per_block,
+            steps,
+        })
+    }
+
+    /// The synthesised texels: R32_UINT, red in the low byte, 255 in the high byte where painted, all 0 elsewhere.
+    pub fn canvas(&self) -> &Image {
+        &self.canvas
+    }
+
+    /// Where in the sample each painted pixel came from: R32_UINT, x + (y << 16).
+    pub fn source(&self) -> &Image {
+        &self.source
+    }
+
+    /// The grid of blocks.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Pixel comparisons of the whole search, an upper bound where a guide skips blocks.
+    pub fn comparisons(&self) -> u64 {
+        self.steps.iter().map(|(_, cost)| cost).sum()
+    }
+
+    /// Cuts the steps into parts of at most about `comparisons` pixel comparisons, to be submitted one by one.
+    pub fn parts(&self, comparisons: u64) -> Vec<Range<usize>> {
+        let mut parts = Vec::new();
+        let (mut begin, mut sum) = (0, 0);
+        for (i, (_, cost)) in self.steps.iter().enumerate() {
+            if sum + cost > comparisons && i > begin {
+                parts.push(begin..i);
+                (begin, sum) = (i, 0);
+            }
+            sum += cost;
+        }
+        parts.push(begin..self.steps.len());
+        parts
+    }
+
+    /// Records the whole synthesis. `frame` enters the random choices, so that frames of one seed differ.
+    pub fn record(&self, recorder: &mut Recorder<'_>, seed: u32, frame: u32) {
+        self.record_part(recorder, 0..self.steps.len(), seed, frame);
+    }
+
+    /// Records some of the steps; the parts of one synthesis must be recorded in order.
+    pub fn record_part(&self, recorder: &mut Recorder<'_>, part: Range<usize>, seed: u32, frame: u32) {
+        let params = &self.params;
+        let output = [self.layout.output.0, self.layout.output.1];
+        let tileable = u32::from(params.tileable);
+        for (step, _) in self.steps.get(part).unwrap_or_default() {
+            match step.clone() {
+                Step::Begin => {
+                    recorder.clear_images("quilt_clear", &[&self.canvas, &self.source]);
+                    let push = GuidePush {
+                        output,
+                        sample_width: self.sample_size.0,
+                        block_px: params.block_px,
+                        guided: u32::from(self.guide.is_some()),
+                        paint: self.guide.as_ref().map_or(0, |guide| guide.paint),
+                        // More than a sample is wide makes no difference, and stays clear of overflow.
+                        window_px: self.guide.as_ref().map_or(0, |guide| guide.window_px.min(self.sample_size.0)),
+                    };
+                    let blocks = self.layout.placements.len() as u32;
+                    recorder.dispatch(&self.stages.guide, &self.guide_set, &push, [blocks, 1, 1]);
+                }
+                Step::Search { blocks, groups } => {
+                    let push = SearchPush {
+                        output,
+                        sample_height: self.sample_size.1,
+                        block_px: params.block_px,
+                        overlap_px: params.overlap_px,
+                        tileable,
+                        first_block: blocks.start,
+                        first_group: groups.start,
+                        groups_per_block: self.groups_per_block,
+                    };
+                    let count = [groups.len() as u32, blocks.len() as u32, 1];
+                    recorder.dispatch(&self.stages.search, &self.search_set, &push, count);
+                }
+                Step::Place { blocks } => {
+                    let push = PlacePush {
+                        output,
+                        sample_height: self.sample_size.1,
+                        block_px: params.block_px,
+                        overlap_px: params.overlap_px,
+                        tileable,
+                        first_block: blocks.start,
+                        groups_per_block: self.groups_per_block,
+                        columns: self.layout.columns,
+                        rows: self.layout.rows,
+                        tolerance: params.tolerance_e4(),
+                        seed,
+                        frame,
+                    };
+                    let count = [blocks.len() as u32, 1, 1];
+                    recorder.dispatch(&self.stages.place, &self.place_set, &push, count);
+                }
+            }
+        }
+    }
+
+    /// Reads back what was chosen, in placing order; skipped blocks are left out.
+    ///
+    /// # Errors
+    /// Those of [`Runner::read_buffer`].
+    pub fn read_records(&self, runner: &mut Runner) -> Result<Vec<BlockRecord>> {
+        let bytes = runner.read_buffer(&self.blocks)?;
+        let blocks: Vec<BlockData> = bytemuck::pod_collect_to_vec(&bytes);
+        let last_row = self.sample_size.1 - self.params.block_px;
+        let placed = self.layout.order.iter().filter_map(|&index| {
+            let block = blocks.get(index as usize).filter(|block| block.state == STATE_PLACED)?;
+            Some(BlockRecord {
+                row: index / self.layout.columns,
+                col: index % self.layout.columns,
+                x: block.x,
+                y: block.y,
+                sx: block.sx,
+                sy: block.sy,
+                error: block.error,
+                min_error: block.min_error,
+                allowed: [block.sx0, 0, block.sx1, last_row],
+            })
+        });
+        Ok(placed.collect())
+    }
+}
+
+/// The steps of a quilting with their cost in pixel comparisons.
+fn steps(params: &QuiltParams, layout: &Layout, groups: u32, batch: u32, most_groups: u32) -> Vec<(Step, u64)> {
+    let (b, o) = (u64::from(params.block_px), u64::from(params.overlap_px));
+    let overlap_px = if params.tileable { b * b - (b - 2 * o) * (b - 2 * o) } else { 2 * b * o - o * o };
+    let group_cost = u64::from(GROUP * TILE) * overlap_px;
+    let mut steps = vec![(Step::Begin, 0)];
+    let mut first = 0;
+    for wave in &layout.waves {
+        let end = first + wave.len() as u32;
+        while first < end {
+            let blocks = first..end.min(first + batch);
+            let cost = group_cost * blocks.len() as u64;
+            let most = (STEP_COMPARISONS / cost).clamp(1, u64::from(most_groups)) as u32;
+            let mut group = 0;
+            while group < groups {
+                let range = group..groups.min(group + most);
+                group = range.end;
+                let cost = cost * range.len() as u64;
+                steps.push((Step::Search { blocks: blocks.clone(), groups: range }, cost));
+            }
+            first = blocks.end;
+            steps.push((Step::Place { blocks }, 0));
+        }
+    }
+    steps
+}
