@@ -1,9 +1,9 @@
 //! What a quilting is asked for, where its blocks lie, and what was chosen for each of them.
 //!
-//! Plain data, shared by the GPU stages and by the CPU oracle: [`QuiltParams`] goes in, [`Layout`] says which blocks there
-//! are, in which order they are placed and which of them may be placed at once, and one [`BlockRecord`] per placed block
-//! tells afterwards where in the sample it was taken from. Method: A. Efros and W. Freeman, "Image Quilting for Texture
-//! Synthesis and Transfer", SIGGRAPH 2001; thesis 3.2.2.
+//! Plain data, shared by the GPU stages and by the CPU oracle: [`QuiltParams`] goes in, [`Layout`] says which blocks
+//! there are, in which order they are placed and which of them may be placed at once, and one [`BlockRecord`] per
+//! placed block tells afterwards where in the sample it was taken from. Method: A. Efros and W. Freeman, "Image
+//! Quilting for Texture Synthesis and Transfer", SIGGRAPH 2001; thesis 3.2.2.
 
 use crate::error::{Error, Result};
 
@@ -38,8 +38,9 @@ impl QuiltParams {
     /// Checks every field, and that a sample and an output of these sizes (width, height in pixels) can be used.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a field outside of its range, a sample with a side outside of `block_px..=4096`, an output
-    /// with a side outside of `1..=16384`, and a tileable output that its blocks cannot cover (see [`Layout::new`]).
+    /// [`Error::Parameter`] for a field outside of its range, a sample with a side outside of `block_px..=4096`, an
+    /// output with a side outside of `1..=16384`, and a tileable output that its blocks cannot cover (see
+    /// [`Layout::new`]).
     pub fn validate(&self, sample: (u32, u32), output: (u32, u32)) -> Result<()> {
         if !(0.0..=10.0).contains(&self.tolerance) {
             return Err(Error::parameter("tolerance", self.tolerance, "0 to 10"));
@@ -56,8 +57,8 @@ impl QuiltParams {
 
     /// The tolerance in units of 1/10000, rounded down: what the integer arithmetic of the choice uses.
     ///
-    /// The thousandth of a unit that is added first lifts decimal fractions such as 0.7, which `f32` can only hold a little
-    /// below their value, back to what the person wrote.
+    /// The thousandth of a unit that is added first lifts decimal fractions such as 0.7, which `f32` can only hold a
+    /// little below their value, back to what the person wrote.
     pub fn tolerance_e4(&self) -> u32 {
         (f64::from(self.tolerance) * 10_000.0 + 1e-3).floor() as u32
     }
@@ -92,8 +93,8 @@ impl QuiltParams {
         if advances().any(|advance| advance < overlap || advance + overlap > block) {
             let least = 2 * overlap;
             let allowed = format!(
-                "at least {least} px and divisible into near-equal parts of {overlap} to {step} px for a tileable output \
-                 (block_px {block}, overlap_px {overlap})"
+                "at least {least} px and divisible into near-equal parts of {overlap} to {step} px for a tileable \
+                 output (block_px {block}, overlap_px {overlap})"
             );
             return Err(Error::parameter(name, side, allowed));
         }
@@ -141,24 +142,26 @@ pub struct Layout {
     pub placements: Vec<Placement>,
     /// The blocks' indices in placing order.
     pub order: Vec<u32>,
-    /// Blocks that may be placed at once, in placing order: the blocks of one wave share no pixel, and each overlaps only
-    /// earlier placed blocks of earlier waves.
+    /// Blocks that may be placed at once, in placing order: the blocks of one wave share no pixel, and each overlaps
+    /// only earlier placed blocks of earlier waves.
     pub waves: Vec<Vec<u32>>,
 }
 
 impl Layout {
     /// Lays blocks over an output of `output` = (width, height) pixels.
     ///
-    /// Plain: blocks advance by `block_px - overlap_px` from the top left corner, are clipped to the output, and are placed
-    /// in raster order. With two or more columns, block (row, col) is in wave `col + 2 row`; with one, in wave `row`.
+    /// Plain: blocks advance by `block_px - overlap_px` from the top left corner, are clipped to the output, and are
+    /// placed in raster order. With two or more columns, block (row, col) is in wave `col + 2 row`; with one, in wave
+    /// `row`.
     ///
-    /// Tileable: the output is divided into the fewest columns (and rows) that are at most `block_px - overlap_px` wide, and
-    /// each block reaches `overlap_px` into the next column, the last one into the first. Blocks are placed along slanted
-    /// lines, by (col + 2 row, row).
+    /// Tileable: the output is divided into the fewest columns (and rows) that are at most `block_px - overlap_px`
+    /// wide, and each block reaches `overlap_px` into the next column, the last one into the first. Blocks are placed
+    /// along slanted lines, by (col + 2 row, row).
     ///
     /// # Errors
     /// [`Error::Parameter`] when `block_px`, `overlap_px` or a side of the output is out of range, or when a side of a
-    /// tileable output cannot be divided into two or more near-equal parts of `overlap_px` to `block_px - overlap_px` px.
+    /// tileable output cannot be divided into two or more near-equal parts of `overlap_px` to `block_px - overlap_px`
+    /// px.
     pub fn new(params: &QuiltParams, output: (u32, u32)) -> Result<Layout> {
         let [across, down] = params.axes(output)?;
         let (columns, rows) = (across.len() as u32, down.len() as u32);

@@ -1,11 +1,11 @@
 //! Image quilting on the CPU, as plainly as it can be said: the yardstick for the GPU's search, choice, cut and paste.
 //!
-//! Block by block, in the [`Layout`]'s placing order: measure how well every allowed position of the sample fits what is
-//! painted already, choose at random among those that fit nearly as well as the best, cut the overlaps where the error
-//! along the cut is least, and paste. All in integers, so that there is exactly one right answer.
+//! Block by block, in the [`Layout`]'s placing order: measure how well every allowed position of the sample fits what
+//! is painted already, choose at random among those that fit nearly as well as the best, cut the overlaps where the
+//! error along the cut is least, and paste. All in integers, so that there is exactly one right answer.
 //!
-//! Method: A. Efros and W. Freeman, "Image Quilting for Texture Synthesis and Transfer", SIGGRAPH 2001, and thesis 3.2.2;
-//! the guide, which keeps each block near the part of the sample that has its shade, is from thesis chapter 6.
+//! Method: A. Efros and W. Freeman, "Image Quilting for Texture Synthesis and Transfer", SIGGRAPH 2001, and thesis
+//! 3.2.2; the guide, which keeps each block near the part of the sample that has its shade, is from thesis chapter 6.
 
 use crate::error::{Error, Result};
 use crate::synthesis::params::{BlockRecord, Layout, Placement, QuiltParams};
@@ -39,8 +39,8 @@ pub struct Quilted {
 /// Quilts an output of `output` = (width, height) pixels from `sample`, RGBA pixels row by row (alpha is ignored).
 ///
 /// # Errors
-/// [`Error::Parameter`] when a parameter or a size is out of range (see [`QuiltParams::validate`]), or when the sample or
-/// the guide holds another number of pixels than its size says.
+/// [`Error::Parameter`] when a parameter or a size is out of range (see [`QuiltParams::validate`]), or when the sample
+/// or the guide holds another number of pixels than its size says.
 pub fn quilt_oracle(
     sample: &[[u8; 4]],
     sample_size: (u32, u32),
@@ -101,16 +101,20 @@ pub fn overlap_error(
     width: u32,
     (sx, sy): (u32, u32),
 ) -> Option<u32> {
-    let columns = sx as usize..(sx as usize).checked_add(width as usize)?;
-    let mut rows = sample.chunks(sample_size.0.max(1) as usize).skip(sy as usize);
+    let (sample_width, width) = (sample_size.0 as usize, width as usize);
+    if width == 0 || sx as usize + width > sample_width {
+        return old.is_empty().then_some(0);
+    }
     let mut error = 0_u32;
-    for old_row in old.chunks(width.max(1) as usize) {
-        let new_row = rows.next()?.get(columns.clone())?;
+    let mut start = sy as usize * sample_width + sx as usize;
+    for old_row in old.chunks(width) {
+        let new_row = sample.get(start..start + width)?;
         for (old, new) in old_row.iter().zip(new_row) {
             if let Some(old) = old {
                 error = error.saturating_add(squared_difference(*old, [new[0], new[1], new[2]]));
             }
         }
+        start += sample_width;
     }
     Some(error)
 }
@@ -142,11 +146,12 @@ pub fn choice_index(hash: u32, count: u32) -> u32 {
     ((u64::from(hash) * u64::from(count)) >> 32) as u32
 }
 
-/// The first and last `sx` that a guide allows a block with `covered` covered pixels whose shades add up to `shade_sum`.
+/// The first and last `sx` that a guide allows a block with `covered` covered pixels whose shades add up to
+/// `shade_sum`.
 ///
 /// The mean shade points to a column of the sample, and the block's left edge may be up to `window_px` away from it
-/// (thesis chapter 6), as far as a block of `block_px` fits into the sample, which is `sample_width` pixels wide. `None`
-/// when no pixel is covered.
+/// (thesis chapter 6), as far as a block of `block_px` fits into the sample, which is `sample_width` pixels wide.
+/// `None` when no pixel is covered.
 pub fn guided_window(
     shade_sum: u32,
     covered: u32,

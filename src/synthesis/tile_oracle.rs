@@ -1,19 +1,19 @@
 //! Tiling by mask on the CPU (thesis 3.2.3): the yardstick for the GPU's blend.
 //!
-//! A picture that does not repeat is blended with itself, shifted by half its size: the shifted picture's edges come from
-//! the picture's middle and so meet when it is repeated, and a round mask brings the picture itself back where the shifted
-//! one shows its seams. The last step on the way from a quilted picture to a texture that repeats.
+//! A picture that does not repeat is blended with itself, shifted by half its size: the shifted picture's edges come
+//! from the picture's middle and so meet when it is repeated, and a round mask brings the picture itself back where the
+//! shifted one shows its seams. The last step on the way from a quilted picture to a texture that repeats.
 //!
-//! At the middle of each edge both masks are at their least, and what is left there of the seam shows within a few pixels:
-//! a property of the thesis's round mask.
+//! At the middle of each edge both masks are at their least, and what is left there of the seam shows within a few
+//! pixels: a property of the thesis's round mask.
 
 /// The mask's weights are stored in units of 1/4096, so that the blend is exact integer arithmetic.
 const WEIGHT_SCALE: f64 = 4096.0;
 
 /// Blends a picture of `size` = (width, height) pixels, RGBA row by row, with its shifted self, so that it repeats.
 ///
-/// Every channel, alpha too, is `(T m + T' m') / (m + m')`, rounded to nearest with halves up, where `T'` and `m'` are the
-/// picture and the mask shifted by half the size, rounded down. The result is empty when `pixels` does not hold
+/// Every channel, alpha too, is `(T m + T' m') / (m + m')`, rounded to nearest with halves up, where `T'` and `m'` are
+/// the picture and the mask shifted by half the size, rounded down. The result is empty when `pixels` does not hold
 /// width times height pixels.
 pub fn tile_oracle(pixels: &[[u8; 4]], size: (u32, u32)) -> Vec<[u8; 4]> {
     let (width, height) = size;
