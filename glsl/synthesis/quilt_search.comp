@@ -3,105 +3,197 @@
 //
 // Thesis 3.2.2; Efros and Freeman 2001. The error is the sum of squared differences of 8-bit RGB over those pixels of
 // the block that are painted already (the L of its overlaps), each pixel once.
-// Work: a workgroup compares GROUP * TILE positions in raster order, an invocation TILE neighbours in x, so that a
-// texel of the sample that is loaded and unpacked once serves TILE comparisons.
-// Arithmetic: sum (a - b)^2 = sum (a^2 - 2ab) + sum b^2. The terms of one row of a block stay below 64 * 3 * 255^2
-// < 2^24, so 32-bit floats hold them exactly, with or without fused operations; rows are added up as integers.
-// In:  sample (8 texels wider than it is, so that no load leaves it), canvas, blocks, the blocks' order.
+// Which pixels those are follows from the neighbours: a block is cut into 3 x 3 fields by its overlaps, and a field is
+// painted if any neighbour that reaches into it is placed. Painted fields side by side make a *run*, and a run through
+// the rows of its band a rectangle.
+// Arithmetic: sum (a - b)^2 = sum a^2 - 2 sum ab + sum b^2. The first comes from a summed-area table of the sample, in
+// 32-bit integers that may wrap around, since the sum itself fits. Products ab are summed in 32-bit floats over so few
+// texels that they hold them exactly, with or without fused operations.
+// Work: a workgroup compares GROUP * TILE positions in raster order, an invocation TILE neighbours in x, so that a texel
+// of the sample that is loaded and unpacked once serves TILE comparisons.
+// In:  sample (TILE + CHUNK texels wider than it is, so that no load leaves it), its summed-area table of |a|^2 (one
+//      row and column of zeros first), canvas, blocks, the blocks' order.
 // Out: errors, in raster order with rows of positions padded to TILE; padding is 2^32 - 1. Least error of each group.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "quilt.glsl"
 
 layout(local_size_x = 128) in;
 
 layout(binding = 0, r32ui) uniform readonly uimage2D sample_texels;
-layout(binding = 1, r32ui) uniform readonly uimage2D canvas;
-layout(binding = 2, std430) readonly buffer Blocks { Block blocks[]; };
-layout(binding = 3, std430) readonly buffer Order { uint order[]; };
-layout(binding = 4, std430) writeonly buffer Errors { uvec4 errors[]; };
-layout(binding = 5, std430) writeonly buffer GroupMinima { uint group_minima[]; };
+layout(binding = 1, r32ui) uniform readonly uimage2D sample_squares;
+layout(binding = 2, r32ui) uniform readonly uimage2D canvas;
+layout(binding = 3, std430) readonly buffer Blocks { Block blocks[]; };
+layout(binding = 4, std430) readonly buffer Order { uint order[]; };
+layout(binding = 5, std430) writeonly buffer Errors { uvec4 errors[]; };
+layout(binding = 6, std430) writeonly buffer GroupMinima { uint group_minima[]; };
 
 layout(push_constant) uniform Push {
     uint output_width, output_height;
     uint sample_height;
     uint block_px, overlap_px;
     uint tileable;
+    uint columns, rows;
     // The blocks of this dispatch are order[first_block + gl_WorkGroupID.y].
     uint first_block;
     // Groups are first_group + gl_WorkGroupID.x of groups_per_block.
     uint first_group, groups_per_block;
 } push;
 
+// Texels of a block's row that are compared at a time: 4, 5 or 6, whichever wastes least at the ends of runs.
+layout(constant_id = 0) const int CHUNK = 4;
+
+// So many products of two colours can be summed in a float without rounding: 86 * 3 * 255^2 < 2^24.
+const int EXACT_TEXELS = 86;
+
+// Bit 3 * band + field of the painted fields.
+shared uint painted;
 shared uint least[GROUP];
 
-vec4 load_sample(int x, int y) {
-    vec3 rgb = vec3(unpack_rgb(imageLoad(sample_texels, ivec2(x, y)).r));
-    return vec4(rgb, dot(rgb, rgb));
+vec3 load_rgb(int x, int y) {
+    return vec3(unpack_rgb(imageLoad(sample_texels, ivec2(x, y)).r));
+}
+
+int wrapped(int at, uint size) {
+    return at >= int(size) ? at - int(size) : at;
+}
+
+// The block's texel at column `dx` of a run that ends at `end`; black beyond it, which adds nothing to any sum.
+vec3 load_block(int x, int y, int dx, int end) {
+    uint texel = imageLoad(canvas, ivec2(wrapped(x + min(dx, end - 1), push.output_width), y)).r;
+    return vec3(unpack_rgb(dx < end ? texel : 0));
+}
+
+// The inner loop is written out, because arrays would be kept in memory by some compilers. Parts beyond CHUNK vanish
+// when the pipeline is made.
+#define BLOCK_TEXEL(i)                                                                                                 \
+    vec3 b##i = i < CHUNK ? load_block(int(block.x), y, dx + i, end) : vec3(0.0);                                      \
+    constant += dot(b##i, b##i);
+#define SAMPLE_TEXEL(k) vec3 a##k = k < CHUNK + 7 ? load_rgb(sx + dx + k, sy + dy) : vec3(0.0);
+#define POSITION(s, p0, p1, p2, p3, p4, p5)                                                                            \
+    s += dot(p0, b0) + dot(p1, b1) + dot(p2, b2) + dot(p3, b3);                                                        \
+    s += CHUNK > 5 ? dot(p4, b4) + dot(p5, b5) : CHUNK > 4 ? dot(p4, b4) : 0.0;
+
+// Whether the neighbour `dx`, `dy` blocks away (-1, 0 or 1) is placed.
+bool placed(int row, int col, int dy, int dx) {
+    ivec2 grid = ivec2(push.columns, push.rows);
+    ivec2 at = ivec2(col + dx, row + dy);
+    if (push.tileable != 0) {
+        at = (at + grid) % grid;
+    } else if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, grid))) {
+        return false;
+    }
+    return blocks[at.y * grid.x + at.x].state == STATE_PLACED;
+}
+
+uint painted_fields(uint index) {
+    int row = int(index / push.columns);
+    int col = int(index % push.columns);
+    uint fields = 0;
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            if ((dx != 0 || dy != 0) && placed(row, col, dy, dx)) {
+                // A neighbour straight above reaches into all three fields of the top band, and so on.
+                uint across = dx < 0 ? 1u : dx > 0 ? 4u : 7u;
+                uint down = dy < 0 ? 1u : dy > 0 ? 64u : 73u;
+                fields |= across * down;
+            }
+        }
+    }
+    return fields;
 }
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint slot = gl_WorkGroupID.y;
-    Block block = blocks[order[push.first_block + slot]];
+    uint index = order[push.first_block + slot];
+    Block block = blocks[index];
     if (block.state != STATE_PENDING) {
         return;
     }
     uint group = push.first_group + gl_WorkGroupID.x;
     uint columns = block.sx1 - block.sx0 + 1;
     uint tiles_x = (columns + TILE - 1) / TILE;
-    uint rows = push.sample_height - push.block_px + 1;
-    if (group * GROUP >= tiles_x * rows) {
+    uint tiles = tiles_x * (push.sample_height - push.block_px + 1);
+    if (group * GROUP >= tiles) {
         return;
     }
     uint tile = group * GROUP + lane;
-    bool live = tile < tiles_x * rows;
+    bool live = tile < tiles;
     uint tile_x = live ? tile % tiles_x : 0;
     int sx = int(block.sx0 + TILE * tile_x);
     int sy = int(live ? tile / tiles_x : 0);
+    if (lane == 0) {
+        painted = painted_fields(index);
+    }
+    barrier();
+    uint fields = painted;
 
     int total[TILE];
     for (int j = 0; j < TILE; j++) {
         total[j] = 0;
     }
     int overlap = int(push.overlap_px);
-    int width = int(block.width);
-    int height = int(block.height);
-    int runs = push.tileable != 0 ? 2 : 1;
-    for (int dy = 0; dy < height; dy++) {
-        int y = int(block.y) + dy;
-        y -= y >= int(push.output_height) ? int(push.output_height) : 0;
-        bool whole_row = dy < overlap || (push.tileable != 0 && dy >= height - overlap);
-        int row_runs = whole_row ? 1 : runs;
-        for (int run = 0; run < row_runs; run++) {
-            int begin = run == 0 ? 0 : width - overlap;
-            int end = whole_row || run == 1 ? width : min(overlap, width);
-            float sum[TILE];
-            vec4 a[TILE];
-            for (int j = 0; j < TILE; j++) {
-                sum[j] = 0.0;
-            }
-            for (int j = 1; j < TILE; j++) {
-                a[j] = load_sample(sx + begin + j - 1, sy + dy);
-            }
-            float constant = 0.0;
-            for (int dx = begin; dx < end; dx++) {
-                for (int j = 0; j + 1 < TILE; j++) {
-                    a[j] = a[j + 1];
-                }
-                a[TILE - 1] = load_sample(sx + dx + int(TILE) - 1, sy + dy);
-                int x = int(block.x) + dx;
-                x -= x >= int(push.output_width) ? int(push.output_width) : 0;
-                uint texel = imageLoad(canvas, ivec2(x, y)).r;
-                vec3 b = vec3(unpack_rgb(texel));
-                float painted = texel >= PAINTED ? 1.0 : 0.0;
-                constant += dot(b, b);
-                b *= -2.0;
-                for (int j = 0; j < TILE; j++) {
-                    sum[j] += painted * a[j].w + dot(a[j].xyz, b);
+    ivec2 size = ivec2(block.width, block.height);
+    // Where the fields begin and end. A block cut off by the output has no third field, nor a second if it is narrow.
+    ivec2 first = min(ivec2(overlap), size);
+    ivec2 second = max(first, push.tileable != 0 ? size - overlap : min(size, int(push.block_px) - overlap));
+    for (int band = 0; band < 3; band++) {
+        int top = band == 0 ? 0 : band == 1 ? first.y : second.y;
+        int bottom = band == 0 ? first.y : band == 1 ? second.y : size.y;
+        uint in_band = (fields >> (3 * band)) & 7u;
+        for (int field = 0; field < 3; field++) {
+            // A run starts at a painted field without one before it, and goes on through those that follow.
+            bool starts = ((in_band << 1 >> field) & 3u) == 2u;
+            int begin = field == 0 ? 0 : field == 1 ? first.x : second.x;
+            int fields_on = int(findLSB(~(in_band >> field)));
+            int last = field + fields_on;
+            int end = last == 1 ? first.x : last == 2 ? second.x : size.x;
+            end = starts ? end : begin;
+            int y_end = end > begin ? bottom : top;
+
+            for (int y = top; y < y_end; y += bottom - top) {
+                [[unroll]] for (int j = 0; j < TILE; j++) {
+                    ivec2 from = ivec2(sx + begin + j, sy + top);
+                    ivec2 to = ivec2(sx + end + j, sy + bottom);
+                    total[j] += int(imageLoad(sample_squares, to).r - imageLoad(sample_squares, ivec2(from.x, to.y)).r -
+                                    imageLoad(sample_squares, ivec2(to.x, from.y)).r +
+                                    imageLoad(sample_squares, from).r);
                 }
             }
-            for (int j = 0; j < TILE; j++) {
-                total[j] += int(sum[j] + constant);
+            // So many rows at a time that the sums stay exact.
+            int rows_exact = EXACT_TEXELS / max(end - begin, 1);
+            for (int first_row = top; first_row < y_end; first_row += rows_exact) {
+                float s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0, s4 = 0.0, s5 = 0.0, s6 = 0.0, s7 = 0.0;
+                float constant = 0.0;
+                int end_row = min(first_row + rows_exact, y_end);
+                for (int dy = first_row; dy < end_row; dy++) {
+                    int y = wrapped(int(block.y) + dy, push.output_height);
+                    for (int dx = begin; dx < end; dx += CHUNK) {
+                        // The block's texels, and the sample's that face them at the TILE positions.
+                        BLOCK_TEXEL(0) BLOCK_TEXEL(1) BLOCK_TEXEL(2) BLOCK_TEXEL(3) BLOCK_TEXEL(4) BLOCK_TEXEL(5)
+                        SAMPLE_TEXEL(0) SAMPLE_TEXEL(1) SAMPLE_TEXEL(2) SAMPLE_TEXEL(3) SAMPLE_TEXEL(4)
+                        SAMPLE_TEXEL(5) SAMPLE_TEXEL(6) SAMPLE_TEXEL(7) SAMPLE_TEXEL(8) SAMPLE_TEXEL(9)
+                        SAMPLE_TEXEL(10) SAMPLE_TEXEL(11) SAMPLE_TEXEL(12)
+                        POSITION(s0, a0, a1, a2, a3, a4, a5)
+                        POSITION(s1, a1, a2, a3, a4, a5, a6)
+                        POSITION(s2, a2, a3, a4, a5, a6, a7)
+                        POSITION(s3, a3, a4, a5, a6, a7, a8)
+                        POSITION(s4, a4, a5, a6, a7, a8, a9)
+                        POSITION(s5, a5, a6, a7, a8, a9, a10)
+                        POSITION(s6, a6, a7, a8, a9, a10, a11)
+                        POSITION(s7, a7, a8, a9, a10, a11, a12)
+                    }
+                }
+                int squares = int(constant);
+                total[0] += squares - 2 * int(s0);
+                total[1] += squares - 2 * int(s1);
+                total[2] += squares - 2 * int(s2);
+                total[3] += squares - 2 * int(s3);
+                total[4] += squares - 2 * int(s4);
+                total[5] += squares - 2 * int(s5);
+                total[6] += squares - 2 * int(s6);
+                total[7] += squares - 2 * int(s7);
             }
         }
     }
@@ -116,14 +208,23 @@ void main() {
     for (uint j = 0; j < TILE / 4; j++) {
         errors[place + j] = uvec4(error[4 * j], error[4 * j + 1], error[4 * j + 2], error[4 * j + 3]);
     }
+    // Two short serial steps: few of the slow shared accesses, and few barriers.
     least[lane] = mine;
-    for (uint stride = GROUP / 2; stride > 0; stride /= 2) {
-        barrier();
-        if (lane < stride) {
-            least[lane] = min(least[lane], least[lane + stride]);
+    barrier();
+    if (lane < GROUP / 8) {
+        for (uint i = 1; i < 8; i++) {
+            mine = min(mine, least[lane + i * GROUP / 8]);
         }
     }
+    barrier();
+    if (lane < GROUP / 8) {
+        least[lane] = mine;
+    }
+    barrier();
     if (lane == 0) {
-        group_minima[slot * push.groups_per_block + group] = least[0];
+        for (uint i = 1; i < GROUP / 8; i++) {
+            mine = min(mine, least[i]);
+        }
+        group_minima[slot * push.groups_per_block + group] = mine;
     }
 }

@@ -76,7 +76,21 @@ impl ComputePipeline {
     /// # Errors
     /// [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context, shader: &Shader) -> Result<Self> {
+        Self::specialized(context, shader, &[])
+    }
+
+    /// As [`ComputePipeline::new`], with `constants` for the specialisation constants 0, 1, ...
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`] when a call fails.
+    pub fn specialized(context: &Context, shader: &Shader, constants: &[u32]) -> Result<Self> {
         let device = context.device();
+        let entries: Vec<_> = (0..)
+            .zip(constants)
+            .map(|(id, _)| vk::SpecializationMapEntry { constant_id: id, offset: id * 4, size: 4 })
+            .collect();
+        let specialization =
+            vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
         let bindings: Vec<_> = (0..)
             .zip(shader.bindings)
             .map(|(binding, kind)| {
@@ -111,7 +125,8 @@ impl ComputePipeline {
             let stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(module)
-                .name(c"main");
+                .name(c"main")
+                .specialization_info(&specialization);
             let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout)];
             let made = device.create_compute_pipelines(context.inner().pipeline_cache, &info, None);
             device.destroy_shader_module(module, None);

@@ -23,6 +23,8 @@ use std::sync::Arc;
 /// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
 const GROUP: u32 = 128;
 const TILE: u32 = 8;
+/// Texels that a search may read beyond the right edge of a sample.
+const PADDING: u32 = TILE + 6;
 /// Memory for the errors of one dispatch; longer waves are cut.
 const ERRORS_BYTES: u64 = 64 << 20;
 /// Pixel comparisons after which a step of the search is cut, so that a submission can be kept short.
@@ -39,6 +41,7 @@ pub(crate) const QUILT_SEARCH: Shader = Shader {
     name: "quilt_search",
     spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_search.comp.spv"),
     bindings: &[
+        BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
@@ -103,6 +106,8 @@ struct SearchPush {
     block_px: u32,
     overlap_px: u32,
     tileable: u32,
+    columns: u32,
+    rows: u32,
     first_block: u32,
     first_group: u32,
     groups_per_block: u32,
@@ -140,15 +145,16 @@ impl QuiltStages {
     pub fn new(context: &Context) -> Result<Arc<Self>> {
         Ok(Arc::new(QuiltStages {
             guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
-            search: ComputePipeline::new(context, &QUILT_SEARCH)?,
+            search: ComputePipeline::specialized(context, &QUILT_SEARCH, &[std::env::var("C").ok().map_or(5, |c| c.parse().unwrap())])?,
             place: ComputePipeline::new(context, &QUILT_PLACE)?,
         }))
     }
 }
 
-/// A sample's 8-bit texels on the device.
+/// A sample's 8-bit texels on the device, and the summed-area table of their squares.
 pub struct SampleTexels {
     image: Image,
+    squares: Image,
     size: (u32, u32),
 }
 
@@ -165,21 +171,44 @@ impl SampleTexels {
         if texels.len() as u64 != u64::from(size.0) * u64::from(size.1) {
             return Err(Error::parameter("sample texels", texels.len(), format!("{} x {}", size.0, size.1)));
         }
-        // A tile of positions at the right edge reads up to TILE - 1 texels beyond it; they are there, and unused.
-        let width = size.0 + TILE;
-        let mut padded = vec![[0u8; 4]; width as usize * size.1 as usize];
-        for (to, from) in padded.chunks_exact_mut(width as usize).zip(texels.chunks_exact(size.0 as usize)) {
-            to[..from.len()].copy_from_slice(from);
+        // A tile of positions at the right edge reads beyond it; what it reads is there, and unused.
+        let (width, height) = (size.0 as usize, size.1 as usize);
+        let padded_width = width + PADDING as usize;
+        let mut padded = vec![[0u8; 4]; padded_width * height];
+        for (to, from) in padded.chunks_exact_mut(padded_width).zip(texels.chunks_exact(width)) {
+            to[..width].copy_from_slice(from);
         }
-        let image = Image::new(context, "quilt sample", &ImageDesc::storage_2d(width, size.1, vk::Format::R32_UINT))?;
-        uploads.image(context, &image, bytemuck::cast_slice(&padded))?;
-        Ok(SampleTexels { image, size })
+        let squares = summed_squares(&padded, padded_width, height);
+        let image = |name, width: usize, height: usize, data: &[u8], uploads: &mut Uploads| {
+            let desc = ImageDesc::storage_2d(width as u32, height as u32, vk::Format::R32_UINT);
+            let image = Image::new(context, name, &desc)?;
+            uploads.image(context, &image, data)?;
+            Ok::<_, Error>(image)
+        };
+        let texels = image("quilt sample", padded_width, height, bytemuck::cast_slice(&padded), uploads)?;
+        let squares =
+            image("quilt sample squares", padded_width + 1, height + 1, bytemuck::cast_slice(&squares), uploads)?;
+        Ok(SampleTexels { image: texels, squares, size })
     }
 
     /// Width and height of the sample, pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size
     }
+}
+
+/// The summed-area table of |rgb|^2 with a row and a column of zeros first. It wraps around; differences do not care.
+fn summed_squares(texels: &[[u8; 4]], width: usize, height: usize) -> Vec<u32> {
+    let mut table = vec![0u32; (width + 1) * (height + 1)];
+    for y in 0..height {
+        let mut row = 0u32;
+        for x in 0..width {
+            let [r, g, b, _] = texels[y * width + x].map(u32::from);
+            row = row.wrapping_add(r * r + g * g + b * b);
+            table[(y + 1) * (width + 1) + x + 1] = table[y * (width + 1) + x + 1].wrapping_add(row);
+        }
+    }
+    table
 }
 
 /// What guides a synthesis (thesis chapter 6).
@@ -274,12 +303,12 @@ impl Quilt {
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
         uploads.buffer(context, &order_buffer, bytemuck::cast_slice(&order))?;
         let guide_image = guide.as_ref().map_or(&sample.image, |guide| &guide.image);
-        let (s, c, b, o, e, m) = (&sample.image, &canvas, &blocks, &order_buffer, &errors, &minima);
+        let (s, q, c, b, o, e, m) = (&sample.image, &sample.squares, &canvas, &blocks, &order_buffer, &errors, &minima);
         let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), b.into()])?;
         let search_set = BindingSet::new(
             context,
             &stages.search,
-            &[s.into(), c.into(), b.into(), o.into(), e.into(), m.into()],
+            &[s.into(), q.into(), c.into(), b.into(), o.into(), e.into(), m.into()],
         )?;
         let place_set = BindingSet::new(
             context,
@@ -371,6 +400,8 @@ impl Quilt {
                         block_px: params.block_px,
                         overlap_px: params.overlap_px,
                         tileable,
+                        columns: self.layout.columns,
+                        rows: self.layout.rows,
                         first_block: blocks.start,
                         first_group: groups.start,
                         groups_per_block: self.groups_per_block,
