@@ -33,8 +33,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`. `up` is the direction that shall be up in the picture, by default +y (or
-    /// -z for a camera that looks along the y axis). `fov_y_deg` is the vertical field of view.
+    /// A camera at `eye` that looks at `target`. `up` is the direction that shall be up in the picture, by default +y
+    /// (or -z for a camera that looks along the y axis). `fov_y_deg` is the vertical field of view.
     ///
     /// Near and far planes are set to 1/100 and 100 times the distance to the target; [`Camera::fit_depth`] sets them
     /// close around a model.
@@ -43,6 +43,7 @@ impl Camera {
     /// [`Error::Parameter`] if a vector is not finite, eye and target are closer than 1e-12, `up` is zero or along the
     /// view, or the field of view is not in 1..=150 degrees.
     pub fn look_at(eye: Vec3, target: Vec3, up: Option<Vec3>, fov_y_deg: f32) -> Result<Self> {
+        check_fov(fov_y_deg)?;
         for (name, vector) in [("eye", eye), ("target", target), ("up", up.unwrap_or_default())] {
             if !vector.is_finite() || vector.abs().max_element() > 1e15 {
                 return Err(Error::parameter(name, vector, "finite and within 1e15"));
@@ -63,7 +64,7 @@ impl Camera {
             None => across(DVec3::Y),
         };
         let up = up.ok_or_else(|| Error::parameter("up", "undefined", "apart from the view direction"))?;
-        let camera = Self {
+        Ok(Self {
             eye,
             target,
             forward: forward.as_vec3(),
@@ -71,9 +72,7 @@ impl Camera {
             fov_y_deg,
             near: (distance * 0.01) as f32,
             far: (distance * 100.0) as f32,
-        };
-        check_fov(fov_y_deg)?;
-        Ok(camera)
+        })
     }
 
     /// The same camera with near and far planes close around what of the mesh lies in front of it.

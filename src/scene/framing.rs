@@ -120,8 +120,8 @@ impl Camera {
 /// The eye that sees all points (x right, y up, z forward) within the given tangents, from as close as possible but at
 /// least `clearance` in front of the first.
 ///
-/// A point is seen within a tangent t if |x - eye.x| <= t (z - eye.z). So the largest x - t z and the largest -x - t z of
-/// all points tell how near the eye may come, and where it has to be across.
+/// A point is seen within a tangent t if |x - eye.x| <= t (z - eye.z). So the largest x - t z and the largest -x - t z
+/// of all points tell how near the eye may come, and where it has to be across.
 fn fit(points: &[DVec3], tangents: [f64; 2], clearance: f64) -> DVec3 {
     let mut nearest = f64::INFINITY;
     let mut highest = [[f64::NEG_INFINITY; 2]; 2];

@@ -1,9 +1,9 @@
 //! The guide pass on the CPU, kept as plain as possible: what the Vulkan pass is compared with.
 //!
 //! It draws what the later stages are guided by: the shade of every pixel (equation 3.1), which object it belongs to
-//! (the ID buffer of section 3.1.3), and its depth. The rules are Vulkan's: samples at pixel centres, corners rounded to
-//! 1/256 pixel, top-left rule, clipping at near and far plane, depth test LESS in the order of the triangles.
-//! A Vulkan device may differ at the outlines, where its rounding of a corner may fall to the other side of a pixel
+//! (the ID buffer of section 3.1.3), and its depth. The rules are Vulkan's: samples at pixel centres, corners rounded
+//! to 1/256 pixel, top-left rule, clipping at near and far plane, depth test LESS in the order of the triangles. A
+//! Vulkan device may differ at the outlines, where its rounding of a corner may fall to the other side of a pixel
 //! centre, and in the last bits of depth and shade.
 
 use glam::{DVec3, DVec4, Vec3};
@@ -175,8 +175,8 @@ fn edge(a: [i128; 2], b: [i128; 2], p: [i128; 2]) -> i128 {
     (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 }
 
-/// True if a pixel centre exactly on the edge from a to b belongs to this triangle: a left edge goes up, a top edge goes
-/// to the right.
+/// True if a pixel centre exactly on the edge from a to b belongs to this triangle: a left edge goes up, a top edge
+/// goes to the right.
 fn is_top_left(a: [i128; 2], b: [i128; 2]) -> bool {
     b[1] < a[1] || (b[1] == a[1] && b[0] > a[0])
 }

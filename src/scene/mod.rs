@@ -1,7 +1,7 @@
 //! What is shaded: a triangle mesh, a camera, and the light (thesis section 3.1). Host side only, no GPU.
 //!
-//! A Wavefront OBJ file becomes a [`Mesh`] that every later stage can trust: triangles with area, finite positions, unit
-//! normals, windings that agree with the normals. What had to be dropped or repaired on the way is told as
+//! A Wavefront OBJ file becomes a [`Mesh`] that every later stage can trust: triangles with area, finite positions,
+//! unit normals, windings that agree with the normals. What had to be dropped or repaired on the way is told as
 //! [`MeshWarning`]s, and a file of which nothing is left is an error. [`Camera`] and [`Lights`] complete the scene;
 //! the guide passes draw the three into shade, object ID and depth, and [`GuideOracle`] is their plain CPU twin.
 //!

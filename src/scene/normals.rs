@@ -1,16 +1,17 @@
 //! Normals for vertices that have none: the mean of the faces around them, but not across creases.
 //!
-//! Faces are neighbours if they share an edge, by position: a model whose patches or texture seams double their vertices
-//! is as smooth as one that shares them. Around a vertex, neighbours that meet at no more than the crease angle form one
-//! smooth region with one normal, the mean of its faces' normals, each weighted by the face's angle at the vertex
-//! (Thuermer and Wuethrich 1998), so that it does not depend on how a flat area happens to be cut into triangles.
+//! Faces are neighbours if they share an edge, by position: a model whose patches or texture seams double their
+//! vertices is as smooth as one that shares them. Around a vertex, neighbours that meet at no more than the crease
+//! angle form one smooth region with one normal, the mean of its faces' normals, each weighted by the face's angle at
+//! the vertex (Thuermer and Wuethrich 1998), so that it does not depend on how a flat area happens to be cut into
+//! triangles.
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-/// The smooth region of each triangle corner, and the unit normal of each region. The corners of a region are all at the
-/// same position.
+/// The smooth region of each triangle corner, and the unit normal of each region. The corners of a region are all at
+/// the same position.
 pub(super) struct CornerNormals {
     region: Vec<u32>,
     normals: Vec<[f32; 3]>,

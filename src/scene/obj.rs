@@ -123,7 +123,8 @@ impl Merge {
         let triangles = &mut self.objects[object].1;
         self.triangle_count += face.len() - 2;
         if let Some(bad) = places.iter().position(|&place| !is_usable(place)) {
-            // There is no plane to cut it in. A fan about the bad corner keeps the count, and all of it will be dropped.
+            // There is no plane to cut it in. A fan about the bad corner keeps the count, and all of it will be
+            // dropped.
             let n = corners.len();
             let at = |i: usize| corners[(bad + i) % n];
             triangles.extend((2..n).map(|i| [at(0), at(i - 1), at(i)]));

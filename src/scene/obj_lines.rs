@@ -1,9 +1,9 @@
 //! A reader that stands between an OBJ file and the `tobj` parser, and passes on clean lines, one at a time.
 //!
-//! Real files hold constructs that `tobj` refuses or misreads: a byte order mark, `\` at a line's end, names that are not
-//! UTF-8, MSVC's `1.#IND`, a `w` or colours after a position, indices out of range, polylines that it takes for faces,
-//! corners with and without a normal in one object. So only what a mesh is made of gets through (`v`, `vn`, `f`, `o`,
-//! `g`), in one plain form:
+//! Real files hold constructs that `tobj` refuses or misreads: a byte order mark, `\` at a line's end, names that are
+//! not UTF-8, MSVC's `1.#IND`, a `w` or colours after a position, indices out of range, polylines that it takes for
+//! faces, corners with and without a normal in one object. So only what a mesh is made of gets through (`v`, `vn`,
+//! `f`, `o`, `g`), in one plain form:
 //!
 //! - every corner is `position//normal` with absolute, checked indices. Normal 1 is a placeholder of NaNs for corners
 //!   that have none, so that positions and normals always come in equal numbers; no other NaN gets through;
@@ -209,8 +209,8 @@ impl<R: BufRead> ObjLines<R> {
         outcome
     }
 
-    /// `v` or `vn` with its first three numbers. What follows them is a weight for curves, or colours. What is not finite
-    /// is passed on as infinite, so that NaN is left to mean "no normal".
+    /// `v` or `vn` with its first three numbers. What follows them is a weight for curves, or colours. What is not
+    /// finite is passed on as infinite, so that NaN is left to mean "no normal".
     fn clean_vector<'a>(
         &mut self,
         keyword: &str,

@@ -97,8 +97,8 @@ impl Triangulator {
     }
 }
 
-/// Cuts along the diagonal over which the two triangles agree better in direction. In a plane that is the one within the
-/// quad; a skew quad, which may well cross itself in any projection, is folded least.
+/// Cuts along the diagonal over which the two triangles agree better in direction. In a plane that is the one within
+/// the quad; a skew quad, which may well cross itself in any projection, is folded least.
 fn cut_quad(corners: [[f32; 3]; 4]) -> (Cut, [[usize; 3]; 2]) {
     let agreement = |cut: [[usize; 3]; 2]| {
         let [p, q] = cut.map(|[a, b, c]| {

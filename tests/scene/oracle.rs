@@ -23,8 +23,8 @@ fn rows(guide: &Guide) -> Vec<String> {
 
 #[test]
 fn pixels_belong_to_the_triangle_over_their_centre() {
-    // Corners in pixels from the upper left: (1, 1), (1, 7), (7, 7). Centres on the slanted edge lie on the right of it,
-    // so they do not belong to it; those on its left and upper edges would.
+    // Corners in pixels from the upper left: (1, 1), (1, 7), (7, 7). Centres on the slanted edge lie on the right of
+    // it, so they do not belong to it; those on its left and upper edges would.
     let triangle = mesh("v -3 3 0\nv -3 -3 0\nv 3 -3 0\nf 1 2 3\n");
     let guide = render(&triangle, &square_on(), 8, 8);
     let below = ["00000000", "00000000", "01000000", "01100000", "01110000", "01111000", "01111100", "00000000"];
@@ -156,8 +156,9 @@ fn a_slanted_floor_is_clipped_and_interpolated_in_perspective() {
 #[test]
 fn the_nearer_surface_wins_whatever_the_order() {
     let square = |z: f32, half: f32, first: u32| {
-        let [a, b, c, d] = [first, first + 1, first + 2, first + 3];
-        format!("v -{half} -{half} {z}\nv {half} -{half} {z}\nv {half} {half} {z}\nv -{half} {half} {z}\nf {a} {b} {c} {d}\n")
+        let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
+        let lines: String = corners.iter().map(|(x, y)| format!("v {x} {y} {z}\n")).collect();
+        format!("{lines}f {first} {} {} {}\n", first + 1, first + 2, first + 3)
     };
     let far_first = mesh(&format!("o far\n{}o near\n{}", square(-2.0, 9.0, 1), square(0.0, 2.0, 5)));
     let near_first = mesh(&format!("o near\n{}o far\n{}", square(0.0, 2.0, 1), square(-2.0, 9.0, 5)));
@@ -165,6 +166,13 @@ fn the_nearer_surface_wins_whatever_the_order() {
     assert_eq!(rows(&a)[2], "11222211");
     assert_eq!(rows(&b)[2], "22111122");
     assert_eq!(a.depth, b.depth);
+}
+
+#[test]
+fn of_two_surfaces_at_one_place_the_first_wins() {
+    let twice = mesh("v -3 -3 0\nv 3 -3 0\nv 0 3 0\no a\nf 1 2 3\no b\nf 1 2 3\n");
+    let guide = render(&twice, &square_on(), 8, 8);
+    assert!(guide.id.contains(&1) && !guide.id.contains(&2));
 }
 
 #[test]
