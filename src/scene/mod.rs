@@ -1,1 +1,47 @@
-//! scene
+//! What is shaded: a triangle mesh, a camera, and the light (thesis section 3.1). Host side only, no GPU.
+//!
+//! A Wavefront OBJ file becomes a [`Mesh`] that every later stage can trust: triangles with area, finite positions,
+//! unit normals, windings that agree with the normals. What had to be dropped or repaired on the way is told as
+//! [`MeshWarning`]s, and a file of which nothing is left is an error. [`Camera`] and [`Lights`] complete the scene;
+//! the guide passes draw the three into shade, object ID and depth, and [`GuideOracle`] is their plain CPU twin.
+//!
+//! ```text
+//!   bytes -> obj_lines -> tobj -> obj (polygon) -> clean (normals) -> Mesh --+
+//!                                                                           +--> guide passes | GuideOracle
+//!                                                       Camera, Lights -----+
+//! ```
+//!
+//! World space is right-handed, and y is up for a camera that frames the model by itself. Vectors and matrices are
+//! those of `glam`, whose types are passed on here.
+//!
+//! ```
+//! use impasto::scene::{Camera, Framing, GuideOracle, Lights, Mesh, MeshOptions};
+//!
+//! let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+//! let mesh = Mesh::parse(&obj[..], "triangle.obj", &MeshOptions::default())?.mesh;
+//! let camera = Camera::framing(&mesh, &Framing::default(), 4.0 / 3.0)?;
+//! let guide = GuideOracle::render(&mesh, &camera, &Lights::default(), 64, 48)?;
+//! assert!(guide.id.iter().any(|&id| id == 1));
+//! # Ok::<(), impasto::Error>(())
+//! ```
+
+mod camera;
+mod clean;
+mod framing;
+mod guide_oracle;
+mod light;
+mod mesh;
+mod normals;
+mod obj;
+mod obj_lines;
+mod polygon;
+mod warning;
+
+pub use camera::{Camera, DEFAULT_FOV_Y_DEG};
+pub use framing::Framing;
+pub use glam::{Mat4, Vec3};
+pub use guide_oracle::{Guide, GuideOracle, MAX_GUIDE_SIDE_PX};
+pub use light::{DirectionalLight, Lights, MAX_LIGHTS};
+pub use mesh::{BoundingSphere, Loaded, Mesh, MeshOptions, Object, MAX_OBJECTS};
+pub use obj::{MAX_FILE_BYTES, MAX_TRIANGLES, MAX_VERTICES};
+pub use warning::MeshWarning;

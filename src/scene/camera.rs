@@ -1,0 +1,164 @@
+//! The camera: where the scene is seen from, and how it is projected onto the picture (thesis section 3.1.4).
+//!
+//! View space is right-handed: x to the right, y up, the camera looks along -z. Clip space is Vulkan's: y points down,
+//! depth runs from 0 (near) to 1 (far). With this projection a triangle that is counter-clockwise for the viewer is
+//! counter-clockwise for Vulkan too (`VK_FRONT_FACE_COUNTER_CLOCKWISE`).
+
+use glam::camera::rh::{proj::vulkan::perspective, view::look_to_mat4};
+use glam::{DVec3, Mat4, Vec3};
+
+use super::mesh::Mesh;
+use crate::error::{Error, Result};
+
+/// The vertical field of view where none is asked for, in degrees: about that of a portrait lens.
+pub const DEFAULT_FOV_Y_DEG: f32 = 30.0;
+/// The vertical fields of view that a camera may have.
+const FOV_Y_DEG: std::ops::RangeInclusive<f32> = 1.0..=150.0;
+/// The pictures' aspect ratios that a camera may have.
+const ASPECT: std::ops::RangeInclusive<f32> = 0.01..=100.0;
+/// The near plane is no closer than this part of the far plane's distance: what is left of the depth's precision.
+const MIN_NEAR: f64 = 1e-4;
+
+/// A perspective camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    eye: Vec3,
+    target: Vec3,
+    /// Unit vectors, at a right angle to each other.
+    forward: Vec3,
+    up: Vec3,
+    fov_y_deg: f32,
+    near: f32,
+    far: f32,
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`. `up` is the direction that shall be up in the picture, by default +y
+    /// (or -z for a camera that looks along the y axis). `fov_y_deg` is the vertical field of view.
+    ///
+    /// Near and far planes are set to 1/100 and 100 times the distance to the target; [`Camera::fit_depth`] sets them
+    /// close around a model.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if a vector is not finite, eye and target are closer than 1e-12, `up` is zero or along the
+    /// view, or the field of view is not in 1..=150 degrees.
+    pub fn look_at(eye: Vec3, target: Vec3, up: Option<Vec3>, fov_y_deg: f32) -> Result<Self> {
+        check_fov(fov_y_deg)?;
+        for (name, vector) in [("eye", eye), ("target", target), ("up", up.unwrap_or_default())] {
+            if !vector.is_finite() || vector.abs().max_element() > 1e15 {
+                return Err(Error::parameter(name, vector, "finite and within 1e15"));
+            }
+        }
+        let distance = target.as_dvec3().distance(eye.as_dvec3());
+        if distance < 1e-12 {
+            return Err(Error::parameter("target", target, format!("apart from the eye ({eye})")));
+        }
+        let forward = (target.as_dvec3() - eye.as_dvec3()) / distance;
+        let across = |up: DVec3| (up - up.dot(forward) * forward).try_normalize();
+        let up = match up.map(|up| up.as_dvec3().normalize_or_zero()) {
+            Some(up) if forward.cross(up).length() < 1e-4 => {
+                return Err(Error::parameter("up", up, "neither zero nor along the view direction"));
+            }
+            Some(up) => across(up),
+            None if forward.cross(DVec3::Y).length() < 1e-4 => across(DVec3::NEG_Z),
+            None => across(DVec3::Y),
+        };
+        let up = up.ok_or_else(|| Error::parameter("up", "undefined", "apart from the view direction"))?;
+        Ok(Self {
+            eye,
+            target,
+            forward: forward.as_vec3(),
+            up: up.as_vec3(),
+            fov_y_deg,
+            near: (distance * 0.01) as f32,
+            far: (distance * 100.0) as f32,
+        })
+    }
+
+    /// The same camera with near and far planes close around what of the mesh lies in front of it.
+    pub fn fit_depth(mut self, mesh: &Mesh) -> Self {
+        let eye = self.eye.as_dvec3();
+        let forward = self.forward.as_dvec3();
+        let depths = mesh.positions().iter().map(|&p| (Vec3::from(p).as_dvec3() - eye).dot(forward));
+        let (nearest, farthest) =
+            depths.fold((f64::INFINITY, 0.0_f64), |(low, high), depth| (low.min(depth), high.max(depth)));
+        if farthest > 0.0 {
+            // A little more room than needed: rounding must not clip anything.
+            let room = 0.01 * (farthest - nearest) + 1e-5 * farthest;
+            self.far = (farthest + room) as f32;
+            self.near = (nearest - room).max(MIN_NEAR * farthest) as f32;
+        }
+        self
+    }
+
+    /// Where the camera is.
+    pub fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
+    /// The point that it looks at: the middle of the picture.
+    pub fn target(&self) -> Vec3 {
+        self.target
+    }
+
+    /// Unit vector of the view direction, from the eye into the scene.
+    pub fn forward(&self) -> Vec3 {
+        self.forward
+    }
+
+    /// Unit vector that is up in the picture, at a right angle to [`Camera::forward`].
+    pub fn up(&self) -> Vec3 {
+        self.up
+    }
+
+    /// Vertical field of view in degrees.
+    pub fn fov_y_deg(&self) -> f32 {
+        self.fov_y_deg
+    }
+
+    /// Distance of the near plane, above 0: depth 0.
+    pub fn near(&self) -> f32 {
+        self.near
+    }
+
+    /// Distance of the far plane, beyond [`Camera::near`]: depth 1.
+    pub fn far(&self) -> f32 {
+        self.far
+    }
+
+    /// World space to view space.
+    pub fn view(&self) -> Mat4 {
+        look_to_mat4(self.eye, self.forward, self.up)
+    }
+
+    /// View space to Vulkan's clip space, for a picture of this width over height.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] if `aspect` is not in 0.01..=100.
+    pub fn projection(&self, aspect: f32) -> Result<Mat4> {
+        check_aspect(aspect)?;
+        Ok(perspective(self.fov_y_deg.to_radians(), aspect, self.near, self.far))
+    }
+
+    /// World space to Vulkan's clip space.
+    ///
+    /// # Errors
+    /// As [`Camera::projection`].
+    pub fn view_projection(&self, aspect: f32) -> Result<Mat4> {
+        Ok(self.projection(aspect)? * self.view())
+    }
+}
+
+pub(super) fn check_fov(fov_y_deg: f32) -> Result<()> {
+    if FOV_Y_DEG.contains(&fov_y_deg) {
+        return Ok(());
+    }
+    Err(Error::parameter("fov_y_deg", fov_y_deg, "from 1 to 150 degrees"))
+}
+
+pub(super) fn check_aspect(aspect: f32) -> Result<()> {
+    if ASPECT.contains(&aspect) {
+        return Ok(());
+    }
+    Err(Error::parameter("aspect", aspect, "from 0.01 to 100 (width over height)"))
+}
