@@ -53,6 +53,11 @@ impl PaintSample {
         Ok(Self { width, height, pixels })
     }
 
+    /// As [`PaintSample::from_pixels`], of parts that are known to be right.
+    pub(super) fn from_parts(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Self {
+        Self { width, height, pixels }
+    }
+
     /// Width in pixels, 1 to [`MAX_SIDE_PX`].
     pub fn width(&self) -> u32 {
         self.width
@@ -138,7 +143,7 @@ impl PaintSample {
 }
 
 /// Checks the sides of a picture, and that it has `pixels` pixels.
-fn check_size(width: u32, height: u32, pixels: usize) -> Result<()> {
+pub(super) fn check_size(width: u32, height: u32, pixels: usize) -> Result<()> {
     for (name, side) in [("width", width), ("height", height)] {
         if !(1..=MAX_SIDE_PX).contains(&side) {
             return Err(Error::parameter(name, side, format!("1 to {MAX_SIDE_PX} pixels")));
