@@ -133,7 +133,8 @@ struct PlacePush {
 /// The compiled stages; one for a context serves every quilting.
 pub struct QuiltStages {
     guide: ComputePipeline,
-    search: ComputePipeline,
+    /// One for each size of chunk, 4, 5 and 6.
+    search: [ComputePipeline; 3],
     place: ComputePipeline,
 }
 
@@ -143,9 +144,10 @@ impl QuiltStages {
     /// # Errors
     /// [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context) -> Result<Arc<Self>> {
+        let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk]);
         Ok(Arc::new(QuiltStages {
             guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
-            search: ComputePipeline::specialized(context, &QUILT_SEARCH, &[std::env::var("C").ok().map_or(5, |c| c.parse().unwrap())])?,
+            search: [search(4)?, search(5)?, search(6)?],
             place: ComputePipeline::new(context, &QUILT_PLACE)?,
         }))
     }
@@ -247,6 +249,8 @@ pub struct Quilt {
     search_set: BindingSet,
     place_set: BindingSet,
     groups_per_block: u32,
+    /// Which of the search's pipelines.
+    chunk: usize,
     steps: Vec<(Step, u64)>,
 }
 
@@ -305,9 +309,10 @@ impl Quilt {
         let guide_image = guide.as_ref().map_or(&sample.image, |guide| &guide.image);
         let (s, q, c, b, o, e, m) = (&sample.image, &sample.squares, &canvas, &blocks, &order_buffer, &errors, &minima);
         let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), b.into()])?;
+        let chunk = chunk(params);
         let search_set = BindingSet::new(
             context,
-            &stages.search,
+            &stages.search[chunk],
             &[s.into(), q.into(), c.into(), b.into(), o.into(), e.into(), m.into()],
         )?;
         let place_set = BindingSet::new(
@@ -328,6 +333,7 @@ impl Quilt {
             search_set,
             place_set,
             groups_per_block,
+            chunk,
             steps,
         })
     }
@@ -407,7 +413,7 @@ impl Quilt {
                         groups_per_block: self.groups_per_block,
                     };
                     let count = [groups.len() as u32, blocks.len() as u32, 1];
-                    recorder.dispatch(&self.stages.search, &self.search_set, &push, count);
+                    recorder.dispatch(&self.stages.search[self.chunk], &self.search_set, &push, count);
                 }
                 Step::Place { blocks } => {
                     let push = PlacePush {
@@ -455,6 +461,18 @@ impl Quilt {
         });
         Ok(placed.collect())
     }
+}
+
+/// Which size of chunk (4, 5 or 6 texels) wastes least at the ends of the runs of an L: rows as wide as the block, and
+/// rows as wide as the overlap.
+fn chunk(params: &QuiltParams) -> usize {
+    let (block, overlap) = (params.block_px, params.overlap_px);
+    let padded = |run: u32, chunk: u32| run.div_ceil(chunk) * chunk;
+    let work = |i: &usize| {
+        let chunk = 4 + *i as u32;
+        overlap * padded(block, chunk) + (block - overlap) * padded(overlap, chunk)
+    };
+    (0..3).min_by_key(work).unwrap_or_default()
 }
 
 /// The steps of a quilting with their cost in pixel comparisons.
