@@ -93,7 +93,7 @@ pub struct ImageParams {
     /// How many block sizes a block's position may lie from x0 = L * W_sample: 0 to 1,000, fractions allowed. The
     /// thesis found 4 to work best; on a strip that is not much longer than eight blocks that spans most of it, the
     /// quietest part of the strip spreads over the model, and marks of one shade bring their hue into another. `None`
-    /// takes 1/16 of the strip's width to either side, but no more than 4 block sizes.
+    /// takes 1/16 of the strip's width to either side, but no less than 1 block size and no more than 4.
     pub k: Option<f32>,
     /// Spread the model's own range of shade (less half a percent of its pixels at each end) over the whole strip.
     /// Off is the thesis's plain mapping.
@@ -119,7 +119,7 @@ impl ImageParams {
             }
             // A decimal fraction that f32 holds a little too low must not lose a column.
             Some(k) => f64::from(k) * block_px + 1e-4,
-            None => (f64::from(strip_width_px) / 16.0).min(4.0 * block_px),
+            None => (f64::from(strip_width_px) / 16.0).clamp(block_px, 4.0 * block_px),
         };
         Ok(window.floor() as u32)
     }
