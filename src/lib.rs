@@ -12,5 +12,6 @@ pub mod scene;
 #[doc(hidden)]
 pub mod shader_table;
 pub mod synthesis;
+pub mod technique;
 
 pub use error::{Error, Result};
