@@ -108,12 +108,7 @@ struct OracleFrame {
     pixels: Vec<[u8; 4]>,
 }
 
-fn oracle_frame(
-    guide: &Guide,
-    paints: &[Paint<'_>],
-    paint_of_object: &[u32],
-    params: &ImageParams,
-) -> OracleFrame {
+fn oracle_frame(guide: &Guide, paints: &[Paint<'_>], paint_of_object: &[u32], params: &ImageParams) -> OracleFrame {
     let mut tone = guide.shade.clone();
     let covered: Vec<bool> = guide.id.iter().map(|&id| id != 0).collect();
     if params.levels {
@@ -129,11 +124,8 @@ fn oracle_frame(
     let shade: Vec<u8> = tone.iter().map(|s| (s * 255.0 + 0.5) as u8).collect();
     let mut pixels = vec![[0u8; 4]; tone.len()];
     for (number, paint) in paints.iter().enumerate() {
-        let mine: Vec<bool> = guide
-            .id
-            .iter()
-            .map(|&id| id != 0 && paint_of_object[id as usize - 1] as usize == number)
-            .collect();
+        let mine: Vec<bool> =
+            guide.id.iter().map(|&id| id != 0 && paint_of_object[id as usize - 1] as usize == number).collect();
         let size = (paint.texture.width(), paint.texture.height());
         let oracle_guide =
             OracleGuide { shade: &shade, covered: &mine, window_px: params.window_px().expect("k in range") };
@@ -166,8 +158,7 @@ fn image_technique_equals_the_oracle() {
     let camera = Camera::framing(&mesh, &Framing::default(), 200.0 / 150.0).expect("a camera");
     let (pass, guide) = guides(&gpu, &mut runner, &mesh, &camera, size);
     let strips = [strip("strip_green_yellow.png"), strip("strip_dark_red.png")];
-    let paints: Vec<Paint<'_>> =
-        strips.iter().map(|(texture, trajectory)| Paint { texture, trajectory }).collect();
+    let paints: Vec<Paint<'_>> = strips.iter().map(|(texture, trajectory)| Paint { texture, trajectory }).collect();
     for levels in [false, true] {
         let quilt = QuiltParams { block_px: 16, overlap_px: 4, seed: 5, ..Default::default() };
         let params = ImageParams { quilt, k: 1.5, levels };

@@ -58,7 +58,8 @@ impl Case<'_> {
         let mut uploads = Uploads::default();
         let texels = SampleTexels::new(context, &mut uploads, self.sample, self.size).expect("sample");
         let guide = self.guide.as_ref().map(|guide| guide.image(context, &mut uploads, self.output));
-        let quilt = Quilt::new(context, &mut uploads, stages, &texels, self.output, &self.params, guide).expect("quilt");
+        let quilt =
+            Quilt::new(context, &mut uploads, stages, &texels, self.output, &self.params, guide).expect("quilt");
         for part in quilt.parts(comparisons) {
             runner
                 .run(|recorder| {
@@ -86,7 +87,8 @@ fn difference(gpu: &Quilted, oracle: &Quilted) -> Result<(), String> {
     if (gpu.width, gpu.height) != (oracle.width, oracle.height) {
         return Err("sizes differ".to_owned());
     }
-    if let Some(i) = (0..gpu.blocks.len().max(oracle.blocks.len())).find(|&i| gpu.blocks.get(i) != oracle.blocks.get(i)) {
+    if let Some(i) = (0..gpu.blocks.len().max(oracle.blocks.len())).find(|&i| gpu.blocks.get(i) != oracle.blocks.get(i))
+    {
         return Err(format!("block {i}: {:?}, but {:?} by the oracle", gpu.blocks.get(i), oracle.blocks.get(i)));
     }
     let width = gpu.width as usize;
