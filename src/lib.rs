@@ -9,6 +9,8 @@ pub mod error;
 pub mod gpu;
 pub mod paint;
 pub mod scene;
+#[doc(hidden)]
+pub mod shader_table;
 pub mod synthesis;
 pub mod technique;
 
