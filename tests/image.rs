@@ -136,7 +136,7 @@ fn oracle_frame(
             .collect();
         let size = (paint.texture.width(), paint.texture.height());
         let oracle_guide =
-            OracleGuide { shade: &shade, covered: &mine, window_px: params.window_px().expect("k in range") };
+            OracleGuide { shade: &shade, covered: &mine, window_px: params.window_px(size.0).expect("k in range") };
         let texels = paint.texture.to_unorm8();
         let quilted = quilt_oracle(&texels, size, (guide.width, guide.height), &params.quilt, Some(&oracle_guide))
             .expect("oracle");
@@ -170,7 +170,7 @@ fn image_technique_equals_the_oracle() {
         strips.iter().map(|(texture, trajectory)| Paint { texture, trajectory }).collect();
     for levels in [false, true] {
         let quilt = QuiltParams { block_px: 16, overlap_px: 4, seed: 5, ..Default::default() };
-        let params = ImageParams { quilt, k: 1.5, levels };
+        let params = ImageParams { quilt, k: Some(1.5), levels };
         let mut uploads = Uploads::default();
         let stages = QuiltStages::new(&gpu.context).expect("stages");
         let technique = ImageTechnique::new(&gpu.context, &mut uploads, &stages, &pass, &paints, &[0, 1], &params)
@@ -250,7 +250,7 @@ fn real_models_and_paint_give_the_oracles_frame() {
         let size = (128, 128);
         let camera = Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera");
         let (pass, guide) = guides(&gpu, &mut runner, &mesh, &camera, size);
-        let params = ImageParams { k: 1.0, ..Default::default() };
+        let params = ImageParams::default();
         let mut uploads = Uploads::default();
         let stages = QuiltStages::new(&gpu.context).expect("stages");
         let objects = vec![0; mesh.objects().len()];
