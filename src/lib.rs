@@ -15,3 +15,8 @@ pub mod synthesis;
 pub mod technique;
 
 pub use error::{Error, Result};
+
+/// Compiles the README's examples.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
