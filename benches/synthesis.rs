@@ -32,7 +32,11 @@ fn main() {
         let t = start.elapsed().as_secs_f64();
         let c = quilt.comparisons();
         let cpu = cpu() - cpu0;
-        println!("round {round}: {t:.3} s, cpu {cpu:.2} s, {:.2} G comparisons, {:.2} G/s", c as f64 / 1e9, c as f64 / 1e9 / t);
+        println!(
+            "round {round}: {t:.3} s, cpu {cpu:.2} s, {:.2} G comparisons, {:.2} G/s",
+            c as f64 / 1e9,
+            c as f64 / 1e9 / t
+        );
         for time in runner.take_times() {
             println!("    {:12} {:5} {:8.2} ms", time.name, time.count, time.total_ns as f64 / 1e6);
         }

@@ -10,5 +10,6 @@ pub mod gpu;
 pub mod paint;
 pub mod scene;
 pub mod synthesis;
+pub mod technique;
 
 pub use error::{Error, Result};

@@ -9,7 +9,13 @@ use impasto::synthesis::quilt::{Quilt, QuiltStages, SampleTexels};
 use impasto::synthesis::quilt_oracle::{quilt_oracle, Quilted};
 
 /// Quilts on the GPU; pixels, sources and records as the oracle gives them.
-fn quilt_gpu(gpu: &Validated, sample: &[[u8; 4]], size: (u32, u32), output: (u32, u32), params: &QuiltParams) -> Quilted {
+fn quilt_gpu(
+    gpu: &Validated,
+    sample: &[[u8; 4]],
+    size: (u32, u32),
+    output: (u32, u32),
+    params: &QuiltParams,
+) -> Quilted {
     let mut runner = gpu.runner();
     let mut uploads = Uploads::default();
     let stages = QuiltStages::new(&gpu.context).expect("stages");

@@ -27,8 +27,6 @@ pub enum Access {
     ComputeReadWrite,
     /// Read by draw calls as vertices or indices.
     VertexInput,
-    /// Read by vertex or fragment shaders as a uniform buffer.
-    RasterUniform,
     /// Rendered to as a colour attachment that is cleared first.
     ColorAttachment,
     /// Rendered to and tested against as a depth attachment that is cleared first.
@@ -66,16 +64,11 @@ impl Access {
             Access::VertexInput => {
                 (S::VERTEX_INPUT, A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, L::UNDEFINED, false, false)
             }
-            Access::RasterUniform => {
-                (S::VERTEX_SHADER | S::FRAGMENT_SHADER, A::UNIFORM_READ, L::UNDEFINED, false, false)
-            }
             Access::ColorAttachment => {
                 (S::COLOR_ATTACHMENT_OUTPUT, color_access, L::COLOR_ATTACHMENT_OPTIMAL, true, true)
             }
             Access::DepthAttachment => (depth, depth_access, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, true, true),
-            Access::FragmentSampled => {
-                (S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false, false)
-            }
+            Access::FragmentSampled => (S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false, false),
             Access::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false, false),
         };
         AccessInfo { stages, access, layout, writes, discards }
@@ -213,7 +206,8 @@ mod tests {
 
     #[test]
     fn read_after_write_waits_once_per_reader() {
-        let got = states(&[Access::ComputeWrite, Access::ComputeRead, Access::ComputeRead, Access::TransferRead], false);
+        let got =
+            states(&[Access::ComputeWrite, Access::ComputeRead, Access::ComputeRead, Access::TransferRead], false);
         let first = got[1].expect("read after write");
         assert_eq!((first.src_stages, first.src_access), (S::COMPUTE_SHADER, A::SHADER_WRITE));
         assert_eq!((first.dst_stages, first.dst_access), (S::COMPUTE_SHADER, A::SHADER_READ));
@@ -224,10 +218,8 @@ mod tests {
 
     #[test]
     fn write_after_read_waits_for_every_reader() {
-        let got = states(
-            &[Access::TransferWrite, Access::ComputeRead, Access::TransferRead, Access::ComputeWrite],
-            false,
-        );
+        let got =
+            states(&[Access::TransferWrite, Access::ComputeRead, Access::TransferRead, Access::ComputeWrite], false);
         let war = got[3].expect("write after reads");
         assert!(war.src_stages.contains(S::COMPUTE_SHADER | S::TRANSFER));
     }
@@ -240,7 +232,10 @@ mod tests {
 
     #[test]
     fn images_change_layout_and_discards_forget_content() {
-        let got = states(&[Access::TransferDiscard, Access::ComputeRead, Access::TransferRead, Access::ColorAttachment], true);
+        let got = states(
+            &[Access::TransferDiscard, Access::ComputeRead, Access::TransferRead, Access::ColorAttachment],
+            true,
+        );
         let clear = got[0].expect("from undefined");
         assert_eq!((clear.old_layout, clear.new_layout), (L::UNDEFINED, L::TRANSFER_DST_OPTIMAL));
         assert_eq!(clear.src_stages, S::TOP_OF_PIPE);

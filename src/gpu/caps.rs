@@ -74,12 +74,7 @@ impl DeviceInfo {
     /// The API version as `major.minor.patch`.
     pub fn api_version_text(&self) -> String {
         let v = self.api_version;
-        format!(
-            "{}.{}.{}",
-            vk::api_version_major(v),
-            vk::api_version_minor(v),
-            vk::api_version_patch(v)
-        )
+        format!("{}.{}.{}", vk::api_version_major(v), vk::api_version_minor(v), vk::api_version_patch(v))
     }
 }
 

@@ -120,7 +120,8 @@ impl Loader {
         let log = validation_on.then(|| Box::new(log.unwrap_or_else(|| Arc::new(|_, _| {}))));
         if validation_on {
             // SAFETY: the entry is live.
-            let present = unsafe { entry.enumerate_instance_layer_properties() }.map_err(vulkan("vkEnumerateInstanceLayerProperties"))?;
+            let present = unsafe { entry.enumerate_instance_layer_properties() }
+                .map_err(vulkan("vkEnumerateInstanceLayerProperties"))?;
             if !present.iter().any(|l| l.layer_name_as_c_str() == Ok(validation::LAYER)) {
                 return Err(Error::Device(
                     "validation was asked for, but the layer VK_LAYER_KHRONOS_validation is not installed".to_owned(),
@@ -163,7 +164,8 @@ impl Loader {
     /// The devices that can serve us.
     pub fn physical_devices(&self) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>> {
         // SAFETY: the instance is live.
-        let all = unsafe { self.instance.enumerate_physical_devices() }.map_err(vulkan("vkEnumeratePhysicalDevices"))?;
+        let all =
+            unsafe { self.instance.enumerate_physical_devices() }.map_err(vulkan("vkEnumeratePhysicalDevices"))?;
         Ok(all
             .into_iter()
             .enumerate()
@@ -290,17 +292,15 @@ impl Context {
     pub unsafe fn from_host(host: HostDevice) -> Result<Self> {
         let info = describe(&host.instance, host.physical_device, 0);
         if info.api_version < super::API_VERSION {
-            return Err(Error::Device(format!("{} offers Vulkan {}, 1.1 is needed", info.name, info.api_version_text())));
+            return Err(Error::Device(format!(
+                "{} offers Vulkan {}, 1.1 is needed",
+                info.name,
+                info.api_version_text()
+            )));
         }
         let debug = host.debug_utils.then(|| ash::ext::debug_utils::Device::new(&host.instance, &host.device));
-        let mut inner = Inner::new(
-            &host.instance,
-            host.physical_device,
-            host.device,
-            host.queue_family,
-            info,
-            host.memory_budget,
-        )?;
+        let mut inner =
+            Inner::new(&host.instance, host.physical_device, host.device, host.queue_family, info, host.memory_budget)?;
         inner.enabled_features = host.enabled_features;
         inner.pipeline_cache = host.pipeline_cache;
         inner.debug_utils = debug;
@@ -450,4 +450,3 @@ impl Drop for Inner {
         }
     }
 }
-

@@ -130,13 +130,9 @@ impl BufferInner {
     fn new(context: &Context, name: &str, kind: BufferKind, bytes: u64) -> Result<Self> {
         use vk::BufferUsageFlags as U;
         let (usage, location) = match kind {
-            BufferKind::Storage => {
-                (U::STORAGE_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly)
-            }
+            BufferKind::Storage => (U::STORAGE_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Uniform => (U::UNIFORM_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
-            BufferKind::Geometry => {
-                (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly)
-            }
+            BufferKind::Geometry => (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Upload => (U::TRANSFER_SRC, MemoryLocation::CpuToGpu),
             BufferKind::Readback => (U::TRANSFER_DST, MemoryLocation::GpuToCpu),
         };
@@ -366,7 +362,13 @@ impl Drop for ImageInner {
 fn whole_range(format: vk::Format) -> vk::ImageSubresourceRange {
     let depth = matches!(format, vk::Format::D32_SFLOAT | vk::Format::X8_D24_UNORM_PACK32);
     let aspect = if depth { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR };
-    vk::ImageSubresourceRange { aspect_mask: aspect, base_mip_level: 0, level_count: 1, base_array_layer: 0, layer_count: 1 }
+    vk::ImageSubresourceRange {
+        aspect_mask: aspect,
+        base_mip_level: 0,
+        level_count: 1,
+        base_array_layer: 0,
+        layer_count: 1,
+    }
 }
 
 fn allocate(
@@ -394,7 +396,9 @@ fn allocate(
             linear,
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         })
-        .map_err(|e| Error::Device(format!("{name}: {} bytes of GPU memory could not be had: {e}", requirements.size)))?;
+        .map_err(|e| {
+            Error::Device(format!("{name}: {} bytes of GPU memory could not be had: {e}", requirements.size))
+        })?;
     inner.allocated.fetch_add(allocation.size(), Ordering::Relaxed);
     Ok(allocation)
 }

@@ -24,6 +24,7 @@ pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};
 pub use pipeline::{BindingKind, BindingSet, Bound, ComputePipeline, PipelineCacheFile, Shader};
 pub use recorder::{Recorder, Use};
+pub(crate) use render_pass::Geometry;
 pub use render_pass::{Attachment, Framebuffer, RasterDesc, RasterPipeline, RenderPass, VertexAttribute};
 pub use runner::Runner;
 pub use timing::{PassTime, PassTimer};

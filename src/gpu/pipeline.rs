@@ -114,7 +114,8 @@ impl ComputePipeline {
             pipeline.set_layout = device
                 .create_descriptor_set_layout(&vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings), None)
                 .map_err(vulkan("vkCreateDescriptorSetLayout"))?;
-            let push = vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(shader.push_bytes);
+            let push =
+                vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(shader.push_bytes);
             let (layouts, pushes) = ([pipeline.set_layout], [push]);
             let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
             if shader.push_bytes > 0 {
@@ -220,11 +221,8 @@ impl BindingSet {
                     .descriptor_type(kind.descriptor_type());
                 let write = match bound {
                     Bound::Buffer(buffer) => {
-                        buffers = [vk::DescriptorBufferInfo {
-                            buffer: buffer.handle(),
-                            offset: 0,
-                            range: vk::WHOLE_SIZE,
-                        }];
+                        buffers =
+                            [vk::DescriptorBufferInfo { buffer: buffer.handle(), offset: 0, range: vk::WHOLE_SIZE }];
                         write.buffer_info(&buffers)
                     }
                     Bound::Image(image) => {

@@ -58,7 +58,12 @@ impl<'a> Recorder<'a> {
     }
 
     /// Records one pass: barriers for `uses`, then `body` between label and timestamps.
-    pub(crate) fn pass(&mut self, name: &'static str, uses: &[Use<'_>], body: impl FnOnce(&ash::Device, vk::CommandBuffer)) {
+    pub(crate) fn pass(
+        &mut self,
+        name: &'static str,
+        uses: &[Use<'_>],
+        body: impl FnOnce(&ash::Device, vk::CommandBuffer),
+    ) {
         let context = self.context;
         let device = context.device();
         self.barriers(uses);
@@ -185,12 +190,11 @@ impl<'a> Recorder<'a> {
         });
     }
 
-    /// Writes `data` (at most 65,536 bytes, a multiple of 4) into a buffer in the stream of commands.
-    pub(crate) fn update_buffer(&mut self, name: &'static str, to: &Buffer, data: &[u8]) {
-        debug_assert!(data.len() <= 65_536 && data.len() % 4 == 0 && data.len() as u64 <= to.bytes());
-        self.pass(name, &[Use::Buffer(to, Access::TransferWrite)], |device, commands| {
-            // SAFETY: size and alignment are as Vulkan wants them; the data is copied at once.
-            unsafe { device.cmd_update_buffer(commands, to.handle(), 0, data) };
+    /// Sets all of a buffer to zero.
+    pub(crate) fn clear_buffer(&mut self, name: &'static str, buffer: &Buffer) {
+        self.pass(name, &[Use::Buffer(buffer, Access::TransferWrite)], |device, commands| {
+            // SAFETY: the buffer is live and made for transfers; the whole of it is filled.
+            unsafe { device.cmd_fill_buffer(commands, buffer.handle(), 0, vk::WHOLE_SIZE, 0) };
         });
     }
 

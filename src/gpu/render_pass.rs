@@ -153,65 +153,47 @@ pub struct RasterDesc<'a> {
     pub vertex_bytes: u32,
     /// What a vertex holds.
     pub attributes: &'a [VertexAttribute],
+    /// Size of the push constants that both stages share, 128 bytes at most.
+    pub push_bytes: u32,
 }
 
-/// A vertex and a fragment shader with one uniform buffer at binding 0, ready to draw indexed triangles.
+/// A vertex and a fragment shader that share push constants, ready to draw indexed triangles.
 pub struct RasterPipeline {
     context: Context,
     name: &'static str,
     handle: vk::Pipeline,
     layout: vk::PipelineLayout,
-    set_layout: vk::DescriptorSetLayout,
-    pool: vk::DescriptorPool,
-    set: vk::DescriptorSet,
-    uniforms: Buffer,
+    push_bytes: u32,
+}
+
+const STAGES: vk::ShaderStageFlags =
+    vk::ShaderStageFlags::from_raw(vk::ShaderStageFlags::VERTEX.as_raw() | vk::ShaderStageFlags::FRAGMENT.as_raw());
+
+/// What one draw takes: vertices, and how many indices (u32) of which buffer.
+pub(crate) struct Geometry<'a> {
+    pub vertices: &'a Buffer,
+    pub indices: &'a Buffer,
+    pub index_count: u32,
 }
 
 impl RasterPipeline {
-    /// Compiles the pipeline for `pass`, with `uniforms` bound at binding 0 of set 0 for both stages.
+    /// Compiles the pipeline for `pass`.
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`] when a call fails.
-    pub fn new(context: &Context, pass: &RenderPass, desc: &RasterDesc<'_>, uniforms: &Buffer) -> Result<Self> {
-        let device = context.device();
+    pub fn new(context: &Context, pass: &RenderPass, desc: &RasterDesc<'_>) -> Result<Self> {
         let mut pipeline = RasterPipeline {
             context: context.clone(),
             name: desc.name,
             handle: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
-            set_layout: vk::DescriptorSetLayout::null(),
-            pool: vk::DescriptorPool::null(),
-            set: vk::DescriptorSet::null(),
-            uniforms: uniforms.clone(),
+            push_bytes: desc.push_bytes,
         };
-        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
-        let binding = [vk::DescriptorSetLayoutBinding::default()
-            .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
-            .descriptor_count(1)
-            .stage_flags(stages)];
-        let sizes = [vk::DescriptorPoolSize { ty: vk::DescriptorType::UNIFORM_BUFFER, descriptor_count: 1 }];
-        // SAFETY: plain creations on a live device; what was made is owned by `pipeline` and freed if a later call
-        // fails; the uniform buffer is kept alive by it too.
-        unsafe {
-            let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&binding);
-            pipeline.set_layout =
-                device.create_descriptor_set_layout(&info, None).map_err(vulkan("vkCreateDescriptorSetLayout"))?;
-            let layouts = [pipeline.set_layout];
-            let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
-            pipeline.layout = device.create_pipeline_layout(&info, None).map_err(vulkan("vkCreatePipelineLayout"))?;
-            let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
-            pipeline.pool = device.create_descriptor_pool(&info, None).map_err(vulkan("vkCreateDescriptorPool"))?;
-            let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pipeline.pool).set_layouts(&layouts);
-            let sets = device.allocate_descriptor_sets(&info).map_err(vulkan("vkAllocateDescriptorSets"))?;
-            pipeline.set = sets.first().copied().unwrap_or_default();
-            let buffer =
-                [vk::DescriptorBufferInfo { buffer: uniforms.handle(), offset: 0, range: vk::WHOLE_SIZE }];
-            let write = vk::WriteDescriptorSet::default()
-                .dst_set(pipeline.set)
-                .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
-                .buffer_info(&buffer);
-            device.update_descriptor_sets(&[write], &[]);
-        }
+        let pushes = [vk::PushConstantRange::default().stage_flags(STAGES).size(desc.push_bytes)];
+        let info = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&pushes);
+        // SAFETY: a plain creation on a live device; `pipeline` frees it if a later call fails.
+        pipeline.layout = unsafe { context.device().create_pipeline_layout(&info, None) }
+            .map_err(vulkan("vkCreatePipelineLayout"))?;
         pipeline.handle = pipeline.build(pass, desc)?;
         context.name(pipeline.handle, desc.name);
         Ok(pipeline)
@@ -228,11 +210,9 @@ impl RasterPipeline {
                 return Err(error);
             }
         };
-        let stage = |flag, module| {
-            vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module).name(c"main")
-        };
-        let stages =
-            [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
+        let stage =
+            |flag, module| vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module).name(c"main");
+        let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
         let bindings = [vk::VertexInputBindingDescription::default().stride(desc.vertex_bytes)];
         let attributes: Vec<_> = (0..)
             .zip(desc.attributes)
@@ -246,22 +226,22 @@ impl RasterPipeline {
         let input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)
             .vertex_attribute_descriptions(&attributes);
-        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
-            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let assembly =
+            vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .cull_mode(vk::CullModeFlags::NONE)
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
             .line_width(1.0);
-        let samples = vk::PipelineMultisampleStateCreateInfo::default()
-            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let samples =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let has_depth = pass.attachments.iter().any(|a| a.depth);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(has_depth)
             .depth_write_enable(has_depth)
             .depth_compare_op(vk::CompareOp::LESS);
-        let write_all = vk::PipelineColorBlendAttachmentState::default()
-            .color_write_mask(vk::ColorComponentFlags::RGBA);
+        let write_all =
+            vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
         let blends = vec![write_all; pass.attachments.iter().filter(|a| !a.depth).count()];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
         let dynamics = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
@@ -292,28 +272,25 @@ impl RasterPipeline {
 
 impl Drop for RasterPipeline {
     fn drop(&mut self) {
-        self.context.bury(Garbage::Pipeline(self.handle, self.layout, self.set_layout));
-        self.context.bury(Garbage::DescriptorPool(self.pool));
+        let no_sets = vk::DescriptorSetLayout::null();
+        self.context.bury(Garbage::Pipeline(self.handle, self.layout, no_sets));
     }
 }
 
 impl Recorder<'_> {
-    /// Records one render pass that draws `index_count` indices (u32) of `indices` into `target`, cleared to zero and
-    /// the far depth first.
-    pub(crate) fn draw(
+    /// Records one render pass that draws `geometry` into `target`, cleared to zero and the far depth first.
+    pub(crate) fn draw<P: bytemuck::NoUninit>(
         &mut self,
         pass: &RenderPass,
         target: &Framebuffer,
         pipeline: &RasterPipeline,
-        vertices: &Buffer,
-        indices: &Buffer,
-        index_count: u32,
+        geometry: &Geometry<'_>,
+        push: &P,
     ) {
-        let mut uses = vec![
-            Use::Buffer(vertices, Access::VertexInput),
-            Use::Buffer(indices, Access::VertexInput),
-            Use::Buffer(&pipeline.uniforms, Access::RasterUniform),
-        ];
+        let Geometry { vertices, indices, index_count } = *geometry;
+        let push = bytemuck::bytes_of(push);
+        debug_assert_eq!(push.len(), pipeline.push_bytes as usize, "push constants of {}", pipeline.name);
+        let mut uses = vec![Use::Buffer(vertices, Access::VertexInput), Use::Buffer(indices, Access::VertexInput)];
         uses.extend(target.images.iter().zip(&pass.attachments).map(|(image, a)| Use::Image(image, a.access())));
         let clears: Vec<_> = pass
             .attachments
@@ -347,7 +324,7 @@ impl Recorder<'_> {
             unsafe {
                 device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
                 device.cmd_bind_pipeline(commands, point, pipeline.handle);
-                device.cmd_bind_descriptor_sets(commands, point, pipeline.layout, 0, &[pipeline.set], &[]);
+                device.cmd_push_constants(commands, pipeline.layout, STAGES, 0, push);
                 device.cmd_set_viewport(commands, 0, &[viewport]);
                 device.cmd_set_scissor(commands, 0, &[area]);
                 device.cmd_bind_vertex_buffers(commands, 0, &[vertices.handle()], &[0]);

@@ -51,9 +51,8 @@ impl Runner {
             let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
             let buffers = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?;
             runner.commands = buffers.first().copied().unwrap_or_default();
-            runner.fence = device
-                .create_fence(&vk::FenceCreateInfo::default(), None)
-                .map_err(vulkan("vkCreateFence"))?;
+            runner.fence =
+                device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(vulkan("vkCreateFence"))?;
             Ok(runner)
         }
     }

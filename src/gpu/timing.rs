@@ -30,9 +30,8 @@ impl PassTimer {
         let capacity = if context.caps().timestamp_bits == 0 { 0 } else { passes };
         let mut pool = vk::QueryPool::null();
         if capacity > 0 {
-            let info = vk::QueryPoolCreateInfo::default()
-                .query_type(vk::QueryType::TIMESTAMP)
-                .query_count(capacity * 2);
+            let info =
+                vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(capacity * 2);
             // SAFETY: a plain creation on a live device.
             pool = unsafe { context.device().create_query_pool(&info, None) }.map_err(vulkan("vkCreateQueryPool"))?;
         }

@@ -28,6 +28,7 @@
 mod camera;
 mod clean;
 mod framing;
+mod guide;
 mod guide_oracle;
 mod light;
 mod mesh;
@@ -40,6 +41,7 @@ mod warning;
 pub use camera::{Camera, DEFAULT_FOV_Y_DEG};
 pub use framing::Framing;
 pub use glam::{Mat4, Vec3};
+pub use guide::GuidePass;
 pub use guide_oracle::{Guide, GuideOracle, MAX_GUIDE_SIDE_PX};
 pub use light::{DirectionalLight, Lights, MAX_LIGHTS};
 pub use mesh::{BoundingSphere, Loaded, Mesh, MeshOptions, Object, MAX_OBJECTS};

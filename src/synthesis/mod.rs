@@ -12,4 +12,5 @@
 pub mod params;
 pub mod quilt;
 pub mod quilt_oracle;
+pub mod tile_mask;
 pub mod tile_oracle;

@@ -168,7 +168,11 @@ impl SampleTexels {
     pub fn new(context: &Context, uploads: &mut Uploads, texels: &[[u8; 4]], size: (u32, u32)) -> Result<Self> {
         let limit = super::params::MAX_SAMPLE_PX;
         if size.0 == 0 || size.1 == 0 || size.0 > limit || size.1 > limit {
-            return Err(Error::parameter("sample size", format!("{}x{}", size.0, size.1), format!("1 to {limit} px a side")));
+            return Err(Error::parameter(
+                "sample size",
+                format!("{}x{}", size.0, size.1),
+                format!("1 to {limit} px a side"),
+            ));
         }
         if texels.len() as u64 != u64::from(size.0) * u64::from(size.1) {
             return Err(Error::parameter("sample texels", texels.len(), format!("{} x {}", size.0, size.1)));

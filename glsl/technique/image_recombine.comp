@@ -1,0 +1,47 @@
+#version 450
+// Image-based technique, last stage: colour by shade from the trajectory, plus the texture difference that the synthesis
+// brought to the pixel, clipped (thesis chapter 6, figure 6.1). One dispatch for each paint; pixels of others stay.
+// In:  tone, guide, the synthesis's source coordinates, the paint's texture difference and trajectory.
+// Out: frame, straight alpha, background 0.
+
+layout(local_size_x = 16, local_size_y = 8) in;
+
+layout(binding = 0, r32f) uniform readonly image2D tone;
+layout(binding = 1, r32ui) uniform readonly uimage2D guide;
+layout(binding = 2, r32ui) uniform readonly uimage2D source;
+layout(binding = 3, rgba32f) uniform readonly image2D difference;
+layout(binding = 4, std430) readonly buffer Trajectory { vec4 colors[]; };
+layout(binding = 5, rgba8) uniform writeonly image2D frame;
+
+layout(push_constant) uniform Push {
+    uint paint;
+    // 0 painted, 1 colour only, 2 texture only (mapped to 0..1).
+    uint show;
+} push;
+
+void main() {
+    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(p, imageSize(tone)))) {
+        return;
+    }
+    uint texel = imageLoad(guide, p).r;
+    if (texel >> 16 != push.paint) {
+        // The first paint's dispatch also clears what nobody paints.
+        if (push.paint == 1 && texel == 0) {
+            imageStore(frame, p, vec4(0.0));
+        }
+        return;
+    }
+    float place = imageLoad(tone, p).r * float(colors.length() - 1);
+    int i = min(int(place), colors.length() - 1);
+    vec3 color = mix(colors[i].rgb, colors[min(i + 1, colors.length() - 1)].rgb, place - float(i));
+    uint from = imageLoad(source, p).r;
+    vec3 texture_difference = imageLoad(difference, ivec2(from & 0xffffu, from >> 16)).rgb;
+    vec3 shown = color + texture_difference;
+    if (push.show == 1) {
+        shown = color;
+    } else if (push.show == 2) {
+        shown = 0.5 + 0.5 * texture_difference;
+    }
+    imageStore(frame, p, vec4(clamp(shown, 0.0, 1.0), 1.0));
+}

@@ -1,0 +1,353 @@
+//! Image-based texture synthesis (thesis chapter 6): the best single frames of the four techniques.
+//!
+//! For each pixel the colour comes from the trajectory at its shade, and the texture from guided quilting of the paint's
+//! *difference* image; both are added and clipped. Colour is therefore right at every pixel however coarse the blocks,
+//! and a new colour gradient needs no new synthesis. The background stays transparent.
+//!
+//! Stages: `image_histogram` and `image_levels` (only with [`ImageParams::levels`]), `image_guide` packs the guide, the
+//! quilting stages run once for each paint, `image_recombine` draws the frame.
+
+use crate::gpu::{
+    Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader,
+    Uploads,
+};
+use crate::paint::{TextureDifference, Trajectory};
+use crate::scene::GuidePass;
+use crate::synthesis::params::QuiltParams;
+use crate::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
+use crate::{Error, Result};
+use ash::vk;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Paints and objects are numbered in 16 bits, 0 being the background.
+const MAX_PAINTS: usize = 65_535;
+/// Block sizes that a position may lie from its place; more than any sample is wide.
+const MAX_K: f32 = 1000.0;
+const HISTOGRAM_BYTES: u64 = 1024 * 4;
+
+pub(crate) const IMAGE_HISTOGRAM: Shader = Shader {
+    name: "image_histogram",
+    spirv: include_bytes!("../../glsl/spirv/technique/image_histogram.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeReadWrite),
+    ],
+    push_bytes: 0,
+};
+
+pub(crate) const IMAGE_LEVELS: Shader = Shader {
+    name: "image_levels",
+    spirv: include_bytes!("../../glsl/spirv/technique/image_levels.comp.spv"),
+    bindings: &[BindingKind::Buffer(Access::ComputeRead), BindingKind::Buffer(Access::ComputeWrite)],
+    push_bytes: 0,
+};
+
+pub(crate) const IMAGE_GUIDE: Shader = Shader {
+    name: "image_guide",
+    spirv: include_bytes!("../../glsl/spirv/technique/image_guide.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeWrite),
+        BindingKind::Image(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<GuidePush>() as u32,
+};
+
+pub(crate) const IMAGE_RECOMBINE: Shader = Shader {
+    name: "image_recombine",
+    spirv: include_bytes!("../../glsl/spirv/technique/image_recombine.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<RecombinePush>() as u32,
+};
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct GuidePush {
+    levels: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct RecombinePush {
+    paint: u32,
+    show: u32,
+}
+
+/// How to paint a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageParams {
+    /// How to quilt; `tileable` must be false.
+    pub quilt: QuiltParams,
+    /// How many block sizes a block's position may lie from x0 = L * W_sample: 0 to 1,000, fractions allowed. The
+    /// thesis's 4 suits a strip that is much longer than eight blocks; on a short one take less, or marks of one shade
+    /// bring their hue into another.
+    pub k: f32,
+    /// Spread the model's own range of shade (less half a percent of its pixels at each end) over the whole strip.
+    /// Off is the thesis's plain mapping.
+    pub levels: bool,
+}
+
+impl Default for ImageParams {
+    fn default() -> Self {
+        ImageParams { quilt: QuiltParams::default(), k: 4.0, levels: false }
+    }
+}
+
+impl ImageParams {
+    /// How far, in columns, a block's position may lie from its place: floor(k * block size).
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when k is out of range.
+    pub fn window_px(&self) -> Result<u32> {
+        if !(0.0..=MAX_K).contains(&self.k) {
+            return Err(Error::parameter("k", self.k, format!("0 to {MAX_K} block sizes")));
+        }
+        Ok((f64::from(self.k) * f64::from(self.quilt.block_px) + 1e-4).floor() as u32)
+    }
+}
+
+/// What objects are painted with: a strip, taken apart.
+#[derive(Clone, Copy)]
+pub struct Paint<'a> {
+    /// The strip's texture, which is quilted.
+    pub texture: &'a TextureDifference,
+    /// The colours by shade, of this strip or any other.
+    pub trajectory: &'a Trajectory,
+}
+
+/// What the frame shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Show {
+    /// Colour and texture.
+    #[default]
+    Painted,
+    /// Colour alone.
+    Color,
+    /// The texture difference alone, [-1, 1] mapped to [0, 1].
+    Texture,
+}
+
+/// A part of a frame's work, small enough for one submission; see [`ImageTechnique::parts`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImagePart(Part);
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Part {
+    Guide,
+    Quilt(usize, Range<usize>),
+    Recombine,
+}
+
+struct Layer {
+    quilt: Quilt,
+    colors: Buffer,
+    color_count: usize,
+    recombine_set: BindingSet,
+}
+
+/// The technique, prepared for a scene's guides and its paints.
+pub struct ImageTechnique {
+    params: ImageParams,
+    histogram_stage: ComputePipeline,
+    levels_stage: ComputePipeline,
+    guide_stage: ComputePipeline,
+    recombine_stage: ComputePipeline,
+    histogram: Buffer,
+    histogram_set: BindingSet,
+    levels_set: BindingSet,
+    guide_set: BindingSet,
+    tone: Image,
+    frame: Image,
+    layers: Vec<Layer>,
+}
+
+impl ImageTechnique {
+    /// Prepares to paint what `guides` draws. Object i is painted with `paints[paint_of_object[i]]`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for parameters out of range, a tileable quilting, a strip smaller than a block, no paint, or
+    /// an object without one; [`Error::Memory`] when the budget does not allow it.
+    pub fn new(
+        context: &Context,
+        uploads: &mut Uploads,
+        stages: &Arc<QuiltStages>,
+        guides: &GuidePass,
+        paints: &[Paint<'_>],
+        paint_of_object: &[u32],
+        params: &ImageParams,
+    ) -> Result<Self> {
+        let window_px = params.window_px()?;
+        if params.quilt.tileable {
+            return Err(Error::parameter("tileable", true, "false for image-based synthesis: a frame does not repeat"));
+        }
+        if paints.is_empty() || paints.len() > MAX_PAINTS {
+            return Err(Error::parameter("paints", paints.len(), format!("1 to {MAX_PAINTS}")));
+        }
+        if let Some(stray) = paint_of_object.iter().find(|&&paint| paint as usize >= paints.len()) {
+            return Err(Error::parameter("paint of object", stray, format!("below the {} paints", paints.len())));
+        }
+        let [width, height, _] = guides.shade().size_px();
+        let image = |name, format| Image::new(context, name, &ImageDesc::storage_2d(width, height, format));
+        let tone = image("image tone", vk::Format::R32_SFLOAT)?;
+        let guide = image("image guide", vk::Format::R32_UINT)?;
+        let frame = image("image frame", vk::Format::R8G8B8A8_UNORM)?;
+        let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
+        let histogram = storage("image histogram", HISTOGRAM_BYTES)?;
+        let levels = storage("image levels", 8)?;
+        let objects = storage("paint of object", size_of_val(paint_of_object) as u64)?;
+        uploads.buffer(context, &objects, bytemuck::cast_slice(paint_of_object))?;
+        let histogram_stage = ComputePipeline::new(context, &IMAGE_HISTOGRAM)?;
+        let levels_stage = ComputePipeline::new(context, &IMAGE_LEVELS)?;
+        let guide_stage = ComputePipeline::new(context, &IMAGE_GUIDE)?;
+        let recombine_stage = ComputePipeline::new(context, &IMAGE_RECOMBINE)?;
+        let (shade, id) = (guides.shade(), guides.id());
+        let bind = |stage, bound: &[_]| BindingSet::new(context, stage, bound);
+        let histogram_set = bind(&histogram_stage, &[shade.into(), id.into(), (&histogram).into()])?;
+        let levels_set = bind(&levels_stage, &[(&histogram).into(), (&levels).into()])?;
+        let guide_set = bind(
+            &guide_stage,
+            &[shade.into(), id.into(), (&objects).into(), (&levels).into(), (&tone).into(), (&guide).into()],
+        )?;
+        let mut layers = Vec::with_capacity(paints.len());
+        for (number, paint) in (1..).zip(paints) {
+            let size = (paint.texture.width(), paint.texture.height());
+            let sample = SampleTexels::new(context, uploads, &paint.texture.to_unorm8(), size)?;
+            let quilt_guide = QuiltGuide { image: guide.clone(), paint: number, window_px };
+            let quilt =
+                Quilt::new(context, uploads, stages, &sample, (width, height), &params.quilt, Some(quilt_guide))?;
+            let desc = ImageDesc::storage_2d(size.0, size.1, vk::Format::R32G32B32A32_SFLOAT);
+            let difference = Image::new(context, "texture difference", &desc)?;
+            let texels: Vec<[f32; 4]> = paint.texture.pixels().iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
+            uploads.image(context, &difference, bytemuck::cast_slice(&texels))?;
+            let color_count = paint.trajectory.len();
+            let colors = storage("trajectory", color_count as u64 * 16)?;
+            uploads.buffer(context, &colors, bytemuck::cast_slice(&rgba(paint.trajectory)))?;
+            let recombine_set = bind(
+                &recombine_stage,
+                &[
+                    (&tone).into(),
+                    (&guide).into(),
+                    quilt.source().into(),
+                    (&difference).into(),
+                    (&colors).into(),
+                    (&frame).into(),
+                ],
+            )?;
+            layers.push(Layer { quilt, colors, color_count, recombine_set });
+        }
+        Ok(ImageTechnique {
+            params: *params,
+            histogram_stage,
+            levels_stage,
+            guide_stage,
+            recombine_stage,
+            histogram,
+            histogram_set,
+            levels_set,
+            guide_set,
+            tone,
+            frame,
+            layers,
+        })
+    }
+
+    /// Cuts a frame's work into parts of at most about `comparisons` pixel comparisons, to be submitted one by one.
+    pub fn parts(&self, comparisons: u64) -> Vec<ImagePart> {
+        let mut parts = vec![ImagePart(Part::Guide)];
+        for (i, layer) in self.layers.iter().enumerate() {
+            parts.extend(layer.quilt.parts(comparisons).into_iter().map(|part| ImagePart(Part::Quilt(i, part))));
+        }
+        parts.push(ImagePart(Part::Recombine));
+        parts
+    }
+
+    /// Records a whole frame; the guides must have been recorded before. `frame` enters the random choices.
+    pub fn record(&self, recorder: &mut Recorder<'_>, seed: u32, frame: u32) {
+        for part in self.parts(u64::MAX) {
+            self.record_part(recorder, &part, seed, frame);
+        }
+    }
+
+    /// Records one part; the parts of a frame must be recorded in order.
+    pub fn record_part(&self, recorder: &mut Recorder<'_>, part: &ImagePart, seed: u32, frame: u32) {
+        match &part.0 {
+            Part::Guide => {
+                let [width, height, _] = self.tone.size_px();
+                let groups = [width.div_ceil(16), height.div_ceil(8), 1];
+                if self.params.levels {
+                    recorder.clear_buffer("image_clear", &self.histogram);
+                    recorder.dispatch(&self.histogram_stage, &self.histogram_set, &(), groups);
+                    recorder.dispatch(&self.levels_stage, &self.levels_set, &(), [1, 1, 1]);
+                }
+                let push = GuidePush { levels: u32::from(self.params.levels) };
+                recorder.dispatch(&self.guide_stage, &self.guide_set, &push, groups);
+            }
+            Part::Quilt(layer, steps) => {
+                if let Some(layer) = self.layers.get(*layer) {
+                    layer.quilt.record_part(recorder, steps.clone(), seed, frame);
+                }
+            }
+            Part::Recombine => self.record_recombine(recorder, Show::Painted),
+        }
+    }
+
+    /// Records the frame's drawing alone: enough after [`ImageTechnique::set_trajectory`], and to see colour or texture
+    /// by itself.
+    pub fn record_recombine(&self, recorder: &mut Recorder<'_>, show: Show) {
+        let [width, height, _] = self.tone.size_px();
+        for (paint, layer) in (1..).zip(&self.layers) {
+            let push = RecombinePush { paint, show: show as u32 };
+            let groups = [width.div_ceil(16), height.div_ceil(8), 1];
+            recorder.dispatch(&self.recombine_stage, &layer.recombine_set, &push, groups);
+        }
+    }
+
+    /// Stages another trajectory for one of the paints. Texture stays as it is.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when there is no such paint, [`Error::Memory`] when the budget does not allow it.
+    pub fn set_trajectory(
+        &self,
+        context: &Context,
+        uploads: &mut Uploads,
+        paint: usize,
+        trajectory: &Trajectory,
+    ) -> Result<()> {
+        let Some(layer) = self.layers.get(paint) else {
+            return Err(Error::parameter("paint", paint, format!("below the {} paints", self.layers.len())));
+        };
+        let colors = rgba(&trajectory.resampled(layer.color_count)?);
+        uploads.buffer(context, &layer.colors, bytemuck::cast_slice(&colors))
+    }
+
+    /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
+    pub fn frame(&self) -> &Image {
+        &self.frame
+    }
+
+    /// The shade in use, after levels: R32_SFLOAT in [0, 1], 0 on the background.
+    pub fn shade(&self) -> &Image {
+        &self.tone
+    }
+
+    /// The synthesis of each paint.
+    pub fn quilts(&self) -> impl Iterator<Item = &Quilt> {
+        self.layers.iter().map(|layer| &layer.quilt)
+    }
+}
+
+fn rgba(trajectory: &Trajectory) -> Vec<[f32; 4]> {
+    trajectory.colors().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect()
+}
