@@ -11,15 +11,20 @@ mod blocks;
 mod devices;
 mod failure;
 mod files;
+mod image_painter;
 mod paint;
+mod paints;
 mod picture;
 mod progress;
 mod quilt;
 mod quilting;
+mod render;
 mod report;
 mod session;
 mod strips;
+mod tile;
 mod values;
+mod view;
 
 use clap::{Parser, Subcommand};
 use failure::Result;
@@ -47,6 +52,10 @@ enum Command {
     Paint(paint::PaintArgs),
     /// Make a texture of any size from a sample of it
     Quilt(quilt::QuiltArgs),
+    /// Make an existing picture tileable
+    Tile(tile::TileArgs),
+    /// Shade a model with paint
+    Render(Box<render::RenderArgs>),
 }
 
 /// Parses the command line and runs the command. Exit status: 0, 1 for a failure, 2 for a wrong command line.
@@ -67,6 +76,8 @@ fn run(cli: Cli) -> Result {
         Command::Devices => with(session("devices"), devices::run),
         Command::Paint(args) => with(session("paint"), |session| paint::run(args, session)),
         Command::Quilt(args) => with(session("quilt"), |session| quilt::run(args, session)),
+        Command::Tile(args) => with(session("tile"), |session| tile::run(args, session)),
+        Command::Render(args) => with(session("render"), |session| render::run(args, session)),
     }
 }
 

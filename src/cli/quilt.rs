@@ -1,12 +1,13 @@
 //! `impasto quilt`: a texture of any size from a sample of it (Efros and Freeman's image quilting).
 
+use super::blocks;
 use super::failure::Result;
-use super::files::{check_file, check_folder, Outputs};
+use super::files::{check_apart, check_file, check_folder, Outputs};
 use super::picture::{encode, format_of, from_texels, png};
 use super::quilting::{quilt, Quilting};
 use super::session::Session;
+use super::tile::tile;
 use super::values::Size;
-use super::{blocks, files};
 use clap::{Args, ValueEnum};
 use impasto::paint::PaintSample;
 use std::path::PathBuf;
@@ -36,6 +37,8 @@ pub struct QuiltArgs {
 /// Ways to make a picture tileable.
 #[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
 enum Tileable {
+    /// Blend the quilt with itself under a circular mask
+    Mask,
     /// Quilt blocks around the edges as well
     Wrap,
 }
@@ -46,7 +49,7 @@ pub fn run(args: &QuiltArgs, session: &mut Session) -> Result {
     check_file(&args.output)?;
     if let Some(dir) = &args.dump {
         check_folder(dir)?;
-        files::check_apart(&args.output, dir)?;
+        check_apart(&args.output, dir)?;
     }
     let wrap = args.tileable == Some(Tileable::Wrap);
     let params = args.quilting.params(wrap);
@@ -55,6 +58,8 @@ pub fn run(args: &QuiltArgs, session: &mut Session) -> Result {
     args.quilting.check(&args.sample, sample_size, args.size, wrap)?;
     session.parameter("sample", args.sample.display().to_string());
     session.parameter("size", args.size.to_string());
+    let tileable = args.tileable.map(|how| format!("{how:?}").to_lowercase());
+    session.parameter("tileable", tileable);
     args.quilting.report(session);
     session.phase("load");
 
@@ -69,7 +74,14 @@ pub fn run(args: &QuiltArgs, session: &mut Session) -> Result {
         outputs.add(dir.join("texture.png"), png(texture.clone())?);
         outputs.add(dir.join("blocks.json"), blocks::json(&args.quilting, &quilted.blocks));
     }
-    outputs.add(&args.output, encode(texture, format)?);
+    let picture = match args.tileable {
+        Some(Tileable::Mask) => {
+            let texels: Vec<[u8; 4]> = texture.pixels().map(|pixel| pixel.0).collect();
+            tile(session, &mut device, &texels, args.size.pair())?
+        }
+        _ => texture,
+    };
+    outputs.add(&args.output, encode(picture, format)?);
     session.wrote(outputs.commit()?);
     session.phase("write");
     Ok(())
