@@ -7,7 +7,6 @@ use super::session::{Device, Session, PART_COMPARISONS};
 use super::values::Size;
 use image::{GrayAlphaImage, LumaA, Rgba, RgbaImage};
 use impasto::gpu::Uploads;
-use impasto::paint::Trajectory;
 use impasto::scene::{Camera, GuidePass, Lights, Mesh};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
@@ -58,13 +57,6 @@ impl ImagePainter {
             progress.step();
         }
         Ok(())
-    }
-
-    /// Gives a paint other colours; the texture stays as it is.
-    pub fn recolor(&self, device: &mut Device, paint: usize, trajectory: &Trajectory) -> Result {
-        let mut uploads = Uploads::default();
-        self.technique.set_trajectory(&device.context, &mut uploads, paint, trajectory)?;
-        device.upload(&mut uploads)
     }
 
     /// The frame: painted, its colour alone, or its texture alone.

@@ -8,6 +8,9 @@
 //! ```
 
 mod blocks;
+mod builtin;
+mod demo;
+mod demo_page;
 mod devices;
 mod failure;
 mod files;
@@ -27,7 +30,7 @@ mod values;
 mod view;
 
 use clap::{Parser, Subcommand};
-use failure::Result;
+use failure::{Failure, Result};
 use session::{Common, Session};
 use std::process::ExitCode;
 
@@ -56,6 +59,8 @@ enum Command {
     Tile(tile::TileArgs),
     /// Shade a model with paint
     Render(Box<render::RenderArgs>),
+    /// Show what the program can do, without any file: a page with pictures of everything
+    Demo(demo::DemoArgs),
 }
 
 /// Parses the command line and runs the command. Exit status: 0, 1 for a failure, 2 for a wrong command line.
@@ -71,18 +76,40 @@ pub fn main() -> ExitCode {
 }
 
 fn run(cli: Cli) -> Result {
-    let session = |command| Session::new(command, cli.common.clone());
-    match &cli.command {
-        Command::Devices => with(session("devices"), devices::run),
-        Command::Paint(args) => with(session("paint"), |session| paint::run(args, session)),
-        Command::Quilt(args) => with(session("quilt"), |session| quilt::run(args, session)),
-        Command::Tile(args) => with(session("tile"), |session| tile::run(args, session)),
-        Command::Render(args) => with(session("render"), |session| render::run(args, session)),
-    }
+    let mut session = Session::new(cli.command.name(), cli.common);
+    let result = cli.command.run(&mut session);
+    session.close(result)
 }
 
-/// Runs a command and closes its session.
-fn with(mut session: Session, command: impl FnOnce(&mut Session) -> Result) -> Result {
-    let result = command(&mut session);
-    session.close(result)
+/// Runs a command line within another command: its device, times and warnings become those of `session`.
+fn run_words(line: &str, session: &mut Session) -> Result {
+    let cli = Cli::try_parse_from(line.split_whitespace()).map_err(|error| Failure::new(error.to_string()))?;
+    let mut inner = session.inner(cli.command.name());
+    let result = cli.command.run(&mut inner);
+    session.adopt(inner);
+    result
+}
+
+impl Command {
+    fn name(&self) -> &'static str {
+        match self {
+            Command::Devices => "devices",
+            Command::Paint(_) => "paint",
+            Command::Quilt(_) => "quilt",
+            Command::Tile(_) => "tile",
+            Command::Render(_) => "render",
+            Command::Demo(_) => "demo",
+        }
+    }
+
+    fn run(&self, session: &mut Session) -> Result {
+        match self {
+            Command::Devices => devices::run(session),
+            Command::Paint(args) => paint::run(args, session),
+            Command::Quilt(args) => quilt::run(args, session),
+            Command::Tile(args) => tile::run(args, session),
+            Command::Render(args) => render::run(args, session),
+            Command::Demo(args) => demo::run(args, session),
+        }
+    }
 }

@@ -85,12 +85,6 @@ impl PaintFlags {
 }
 
 impl Paints {
-    /// Paints of strips with their own colours, one per strip.
-    pub fn new(strips: Vec<Strip>, of_object: Vec<u32>) -> Self {
-        let pairs = (0..strips.len()).map(|strip| (strip, None)).collect();
-        Paints { files: vec![PathBuf::new(); strips.len()], strips, gradients: Vec::new(), pairs, of_object }
-    }
-
     /// The paints as the techniques take them, in the order of their numbers.
     pub fn all(&self) -> Vec<Paint<'_>> {
         let paint = |&(strip, gradient): &(usize, Option<usize>)| {

@@ -48,6 +48,7 @@ pub struct Session {
     results: Map<String, Value>,
     lines: Vec<String>,
     outputs: Vec<PathBuf>,
+    closing: Option<String>,
 }
 
 /// An open device.
@@ -76,7 +77,20 @@ impl Session {
             results: Map::new(),
             lines: Vec::new(),
             outputs: Vec::new(),
+            closing: None,
         }
+    }
+
+    /// A session for a command that is run by this one.
+    pub fn inner(&self, command: &'static str) -> Self {
+        Session { messages: self.messages.clone(), ..Session::new(command, self.common.clone()) }
+    }
+
+    /// Takes over what an inner session has to report, but for its parameters, findings and files.
+    pub fn adopt(&mut self, inner: Session) {
+        self.device = inner.device.or(self.device.take());
+        self.warnings.extend(inner.warnings);
+        self.add_times(inner.passes);
     }
 
     /// Opens the device that was asked for.
@@ -117,7 +131,11 @@ impl Session {
 
     /// Takes note of the GPU times of all passes run so far.
     pub fn take_times(&mut self, runner: &mut Runner) {
-        for time in runner.take_times() {
+        self.add_times(runner.take_times());
+    }
+
+    fn add_times(&mut self, times: Vec<PassTime>) {
+        for time in times {
             match self.passes.iter_mut().find(|sum| sum.name == time.name) {
                 Some(sum) => {
                     sum.count += time.count;
@@ -156,6 +174,11 @@ impl Session {
     /// A finding that only the JSON report tells.
     pub fn attach(&mut self, name: &str, value: impl Into<Value>) {
         self.results.insert(name.to_owned(), value.into());
+    }
+
+    /// A line that ends the report where it is not JSON.
+    pub fn closing_line(&mut self, line: String) {
+        self.closing = Some(line);
     }
 
     /// Files that were written.
@@ -222,7 +245,9 @@ impl Session {
         for line in &self.lines {
             text.push_str(&format!("{line}\n"));
         }
-        for path in &self.outputs {
+        // A command with a last word of its own has a page to show in place of a long list.
+        let listed = if self.closing.is_none() { &self.outputs[..] } else { &[] };
+        for path in listed {
             text.push_str(&format!("wrote {}\n", path.display()));
         }
         let seconds = self.elapsed().as_secs_f64();
@@ -230,6 +255,9 @@ impl Session {
             Some(device) => text.push_str(&format!("{seconds:.2} s on {}\n", device.name)),
             None if self.outputs.is_empty() => {}
             None => text.push_str(&format!("{seconds:.2} s\n")),
+        }
+        if let Some(line) = &self.closing {
+            text.push_str(&format!("{line}\n"));
         }
         text
     }
