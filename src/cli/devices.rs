@@ -1,0 +1,23 @@
+//! `impasto devices`: what there is to compute on.
+
+use super::failure::{Failure, Result};
+use super::session::{device_json, Session};
+use impasto::gpu::{list_devices, DeviceChoice};
+use serde_json::Value;
+
+/// Lists the devices; the one that is taken by default is marked.
+pub fn run(session: &mut Session) -> Result {
+    let devices = list_devices()?;
+    let best = DeviceChoice::Best.pick(&devices).map(|device| device.index);
+    let best = best.map_err(|_| Failure::new("there is no Vulkan 1.1 device that draws and computes"))?;
+    let mut lines = Vec::new();
+    for device in &devices {
+        let mark = if device.index == best { "  (default)" } else { "" };
+        lines.push(format!("{}  {}{mark}", device.index, device.name));
+        lines.push(format!("   {:10}  Vulkan {}  {}", device.kind, device.api_version_text(), device.uuid));
+    }
+    let list: Vec<Value> = devices.iter().map(device_json).collect();
+    session.result("default_device", best, lines.join("\n"));
+    session.attach("devices", list);
+    Ok(())
+}
