@@ -10,9 +10,10 @@ fn main() {
     if std::env::var_os("CARGO_FEATURE_SHADERC").is_none() {
         return;
     }
-    let Some(dir) = std::env::var_os("SHADERC_LIB_DIR") else { return };
-    println!("cargo:rustc-link-search=native={}", std::path::Path::new(&dir).display());
-    for library in [
+    let Some(dir) = std::env::var_os("SHADERC_LIB_DIR").map(std::path::PathBuf::from) else { return };
+    println!("cargo:rustc-link-search=native={}", dir.display());
+    // Which of these there are differs between versions of glslang: newer ones have merged some into others.
+    let libraries = [
         "glslang",
         "SPIRV",
         "MachineIndependent",
@@ -22,8 +23,9 @@ fn main() {
         "glslang-default-resource-limits",
         "SPIRV-Tools-opt",
         "SPIRV-Tools",
-        "stdc++",
-    ] {
+    ];
+    for library in libraries.iter().filter(|library| dir.join(format!("lib{library}.a")).is_file()) {
         println!("cargo:rustc-link-arg=-l{library}");
     }
+    println!("cargo:rustc-link-arg=-lstdc++");
 }

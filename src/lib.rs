@@ -9,7 +9,14 @@ pub mod error;
 pub mod gpu;
 pub mod paint;
 pub mod scene;
+#[doc(hidden)]
+pub mod shader_table;
 pub mod synthesis;
 pub mod technique;
 
 pub use error::{Error, Result};
+
+/// Compiles the README's examples.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

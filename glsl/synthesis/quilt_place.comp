@@ -43,7 +43,7 @@ shared uint scratch[GROUP];
 // The cumulative errors of one strip, `overlap_px` to a step along it.
 shared uint cumulative[MAX_BLOCK * MAX_OVERLAP];
 shared uint cuts[4 * MAX_BLOCK];
-shared uint found;
+shared uint in_span[GROUP];
 shared uvec2 position;
 shared uint position_error;
 
@@ -74,9 +74,7 @@ uvec2 choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
         least = min(least, group_minima[first + group]);
     }
     scratch[lane] = least;
-    if (lane == 0) {
-        found = 0;
-    }
+    in_span[lane] = 0;
     for (uint stride = GROUP / 2; stride > 0; stride /= 2) {
         barrier();
         if (lane < stride) {
@@ -87,24 +85,40 @@ uvec2 choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
     least = scratch[0];
     uint limit = threshold(least);
 
-    // How many are admissible in all.
-    uint mine = 0;
-    for (uint group = 0; group < groups; group++) {
-        if (group_minima[first + group] <= limit) {
-            uint place = ((first + group) * GROUP + lane) * 2;
-            mine += admissible_of(errors[place], limit) + admissible_of(errors[place + 1], limit);
+    // How many are admissible, in each of GROUP spans of groups and in all.
+    uint span = (groups + GROUP - 1) / GROUP;
+    for (uint begin = 0, at = 0; begin < groups; begin += span, at++) {
+        uint mine = 0;
+        uint end = min(begin + span, groups);
+        for (uint group = begin; group < end; group++) {
+            if (group_minima[first + group] <= limit) {
+                uint place = ((first + group) * GROUP + lane) * 2;
+                mine += admissible_of(errors[place], limit) + admissible_of(errors[place + 1], limit);
+            }
+        }
+        if (mine > 0) {
+            atomicAdd(in_span[at], mine);
         }
     }
-    atomicAdd(found, mine);
     barrier();
-    uint admissible = found;
+    uint admissible = 0;
+    for (uint at = 0; at < GROUP; at++) {
+        admissible += in_span[at];
+    }
     uint wanted;
     uint low;
     umulExtended(random_bits(push.seed, index, push.frame), admissible, wanted, low);
 
-    // The group that holds the wanted one, then the invocation, then the position.
+    // The span that holds the wanted one, then the group, then the invocation, then the position. Only one span's
+    // groups are looked at again: some compilers allow an invocation no more than 65,535 rounds of loops in all.
     uint before = 0;
-    for (uint group = 0; group < groups; group++) {
+    uint wanted_span = 0;
+    while (wanted_span + 1 < GROUP && before + in_span[wanted_span] <= wanted) {
+        before += in_span[wanted_span];
+        wanted_span++;
+    }
+    uint last_group = min((wanted_span + 1) * span, groups);
+    for (uint group = wanted_span * span; group < last_group; group++) {
         if (group_minima[first + group] > limit) {
             continue;
         }

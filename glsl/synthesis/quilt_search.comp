@@ -167,23 +167,26 @@ void main() {
                 float s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0, s4 = 0.0, s5 = 0.0, s6 = 0.0, s7 = 0.0;
                 float constant = 0.0;
                 int end_row = min(first_row + rows_exact, y_end);
-                for (int dy = first_row; dy < end_row; dy++) {
+                // One loop over rows and chunks: an inner loop would be entered anew for each of many short rows.
+                int dx = begin;
+                for (int dy = first_row; dy < end_row;) {
                     int y = wrapped(int(block.y) + dy, push.output_height);
-                    for (int dx = begin; dx < end; dx += CHUNK) {
-                        // The block's texels, and the sample's that face them at the TILE positions.
-                        BLOCK_TEXEL(0) BLOCK_TEXEL(1) BLOCK_TEXEL(2) BLOCK_TEXEL(3) BLOCK_TEXEL(4) BLOCK_TEXEL(5)
-                        SAMPLE_TEXEL(0) SAMPLE_TEXEL(1) SAMPLE_TEXEL(2) SAMPLE_TEXEL(3) SAMPLE_TEXEL(4)
-                        SAMPLE_TEXEL(5) SAMPLE_TEXEL(6) SAMPLE_TEXEL(7) SAMPLE_TEXEL(8) SAMPLE_TEXEL(9)
-                        SAMPLE_TEXEL(10) SAMPLE_TEXEL(11) SAMPLE_TEXEL(12)
-                        POSITION(s0, a0, a1, a2, a3, a4, a5)
-                        POSITION(s1, a1, a2, a3, a4, a5, a6)
-                        POSITION(s2, a2, a3, a4, a5, a6, a7)
-                        POSITION(s3, a3, a4, a5, a6, a7, a8)
-                        POSITION(s4, a4, a5, a6, a7, a8, a9)
-                        POSITION(s5, a5, a6, a7, a8, a9, a10)
-                        POSITION(s6, a6, a7, a8, a9, a10, a11)
-                        POSITION(s7, a7, a8, a9, a10, a11, a12)
-                    }
+                    // The block's texels, and the sample's that face them at the TILE positions.
+                    BLOCK_TEXEL(0) BLOCK_TEXEL(1) BLOCK_TEXEL(2) BLOCK_TEXEL(3) BLOCK_TEXEL(4) BLOCK_TEXEL(5)
+                    SAMPLE_TEXEL(0) SAMPLE_TEXEL(1) SAMPLE_TEXEL(2) SAMPLE_TEXEL(3) SAMPLE_TEXEL(4)
+                    SAMPLE_TEXEL(5) SAMPLE_TEXEL(6) SAMPLE_TEXEL(7) SAMPLE_TEXEL(8) SAMPLE_TEXEL(9)
+                    SAMPLE_TEXEL(10) SAMPLE_TEXEL(11) SAMPLE_TEXEL(12)
+                    POSITION(s0, a0, a1, a2, a3, a4, a5)
+                    POSITION(s1, a1, a2, a3, a4, a5, a6)
+                    POSITION(s2, a2, a3, a4, a5, a6, a7)
+                    POSITION(s3, a3, a4, a5, a6, a7, a8)
+                    POSITION(s4, a4, a5, a6, a7, a8, a9)
+                    POSITION(s5, a5, a6, a7, a8, a9, a10)
+                    POSITION(s6, a6, a7, a8, a9, a10, a11)
+                    POSITION(s7, a7, a8, a9, a10, a11, a12)
+                    dx += CHUNK;
+                    dy += dx < end ? 0 : 1;
+                    dx = dx < end ? dx : begin;
                 }
                 int squares = int(constant);
                 total[0] += squares - 2 * int(s0);

@@ -36,9 +36,10 @@ pub struct RenderArgs {
     paints: PaintFlags,
     #[command(flatten)]
     quilting: Quilting,
-    /// How far a block's place in the strip may be from its shade's, in blocks; fractions allowed
-    #[arg(long, value_name = "BLOCKS", default_value_t = 4.0, allow_negative_numbers = true)]
-    k: f32,
+    /// How far a block's place in the strip may be from its shade's, in blocks; fractions allowed [default: 1/16 of the
+    /// strip's width, 1 to 4 blocks; the thesis: 4]
+    #[arg(long, value_name = "BLOCKS", allow_negative_numbers = true)]
+    k: Option<f32>,
     /// Spread the model's own range of shade over the whole strip
     #[arg(long)]
     levels: bool,
@@ -70,7 +71,8 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
         check_apart(&args.output, dir)?;
     }
     let params = ImageParams { quilt: args.quilting.params(false), k: args.k, levels: args.levels };
-    params.window_px()?;
+    // A k out of range is told before any work.
+    params.window_px(1)?;
     let lights = args.view.lights()?;
     let mesh = load_model(&args.model, session)?;
     let camera = args.view.camera(&mesh, args.size.aspect())?;
@@ -84,7 +86,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
     session.parameter("size", args.size.to_string());
     session.parameter("technique", "image");
     args.quilting.report(session);
-    session.parameter("k", number(args.k));
+    session.parameter("k", args.k.map_or(serde_json::Value::Null, number));
     session.parameter("levels", args.levels);
     args.view.report(&camera, &lights, session);
     session.phase("load");
@@ -125,13 +127,13 @@ fn load_model(path: &Path, session: &mut Session) -> Result<Mesh> {
 fn warn_of_wide_window(file: &Path, width: u32, params: &ImageParams, session: &mut Session) -> Result {
     let block = params.quilt.block_px;
     let positions = (width + 1).saturating_sub(block);
-    let window = params.window_px()?.saturating_mul(2).saturating_add(1).min(positions);
+    let window = params.window_px(width)?.saturating_mul(2).saturating_add(1).min(positions);
     if window.saturating_mul(2) > width {
         session.warn(format!(
-            "{}: --k {} with --block {block} searches {window} of the strip's {width} columns, more than half of it, \
+            "{}: --k{} with --block {block} searches {window} of the strip's {width} columns, more than half of it, \
              for every shade; a smaller --k keeps the marks of one shade out of another",
             file.display(),
-            params.k
+            params.k.map_or_else(|| " left to itself".to_owned(), |k| format!(" {k}"))
         ));
     }
     Ok(())

@@ -66,6 +66,8 @@ impl<'a> Recorder<'a> {
     ) {
         let context = self.context;
         let device = context.device();
+        // Before the barriers, so that waiting for what is needed counts as part of the pass.
+        let timed = self.timer.as_deref_mut().and_then(|timer| timer.begin(context, self.commands, name));
         self.barriers(uses);
         let label = context.inner().debug_utils.as_ref();
         if let Some(debug) = label {
@@ -76,7 +78,6 @@ impl<'a> Recorder<'a> {
                 debug.cmd_begin_debug_utils_label(self.commands, &vk::DebugUtilsLabelEXT::default().label_name(&text));
             }
         }
-        let timed = self.timer.as_deref_mut().and_then(|timer| timer.begin(context, self.commands, name));
         body(device, self.commands);
         if let (Some(timer), Some(slot)) = (self.timer.as_deref_mut(), timed) {
             timer.end(context, self.commands, slot);

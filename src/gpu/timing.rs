@@ -52,7 +52,8 @@ impl PassTimer {
             return None;
         }
         self.names.push(name);
-        let stage = vk::PipelineStageFlags::TOP_OF_PIPE;
+        // When all earlier work has run, so that the times of passes do not overlap.
+        let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
         // SAFETY: the query was reset at the start of this command buffer and is written once.
         unsafe { context.device().cmd_write_timestamp(commands, stage, self.pool, slot * 2) };
         Some(slot)

@@ -130,6 +130,32 @@ struct PlacePush {
     frame: u32,
 }
 
+/// A structure that Rust and GLSL share: its file below glsl/, its name there, its size, and Rust's fields with their
+/// offsets. Only for the test that compares the two.
+#[doc(hidden)]
+pub type SharedStruct = (&'static str, &'static str, usize, Vec<(&'static str, usize)>);
+
+/// The structures that the stages share with their shaders.
+#[doc(hidden)]
+pub fn shared_structs() -> Vec<SharedStruct> {
+    macro_rules! shared {
+        ($file:literal, $glsl:literal, $rust:ty, $($field:ident)*) => {
+            ($file, $glsl, size_of::<$rust>(), vec![$((stringify!($field), std::mem::offset_of!($rust, $field))),*])
+        };
+    }
+    vec![
+        shared!("synthesis/quilt.glsl", "struct Block", BlockData,
+            x y width height sx0 sx1 state admissible sx sy error min_error),
+        shared!("synthesis/quilt_guide.comp", "uniform Push", GuidePush,
+            output sample_width block_px guided paint window_px),
+        shared!("synthesis/quilt_search.comp", "uniform Push", SearchPush,
+            output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block),
+        shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
+            output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
+            frame),
+    ]
+}
+
 /// The compiled stages; one for a context serves every quilting.
 pub struct QuiltStages {
     guide: ComputePipeline,

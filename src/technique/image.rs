@@ -91,9 +91,10 @@ pub struct ImageParams {
     /// How to quilt; `tileable` must be false.
     pub quilt: QuiltParams,
     /// How many block sizes a block's position may lie from x0 = L * W_sample: 0 to 1,000, fractions allowed. The
-    /// thesis's 4 suits a strip that is much longer than eight blocks; on a short one take less, or marks of one shade
-    /// bring their hue into another.
-    pub k: f32,
+    /// thesis found 4 to work best; on a strip that is not much longer than eight blocks that spans most of it, the
+    /// quietest part of the strip spreads over the model, and marks of one shade bring their hue into another. `None`
+    /// takes 1/16 of the strip's width to either side, but no less than 1 block size and no more than 4.
+    pub k: Option<f32>,
     /// Spread the model's own range of shade (less half a percent of its pixels at each end) over the whole strip.
     /// Off is the thesis's plain mapping.
     pub levels: bool,
@@ -101,20 +102,26 @@ pub struct ImageParams {
 
 impl Default for ImageParams {
     fn default() -> Self {
-        ImageParams { quilt: QuiltParams::default(), k: 4.0, levels: false }
+        ImageParams { quilt: QuiltParams::default(), k: None, levels: false }
     }
 }
 
 impl ImageParams {
-    /// How far, in columns, a block's position may lie from its place: floor(k * block size).
+    /// How far, in columns, a block's position may lie from its place on a strip of this width: floor(k * block size).
     ///
     /// # Errors
     /// [`Error::Parameter`] when k is out of range.
-    pub fn window_px(&self) -> Result<u32> {
-        if !(0.0..=MAX_K).contains(&self.k) {
-            return Err(Error::parameter("k", self.k, format!("0 to {MAX_K} block sizes")));
-        }
-        Ok((f64::from(self.k) * f64::from(self.quilt.block_px) + 1e-4).floor() as u32)
+    pub fn window_px(&self, strip_width_px: u32) -> Result<u32> {
+        let block_px = f64::from(self.quilt.block_px);
+        let window = match self.k {
+            Some(k) if !(0.0..=MAX_K).contains(&k) => {
+                return Err(Error::parameter("k", k, format!("0 to {MAX_K} block sizes")));
+            }
+            // A decimal fraction that f32 holds a little too low must not lose a column.
+            Some(k) => f64::from(k) * block_px + 1e-4,
+            None => (f64::from(strip_width_px) / 16.0).clamp(block_px, 4.0 * block_px),
+        };
+        Ok(window.floor() as u32)
     }
 }
 
@@ -188,7 +195,6 @@ impl ImageTechnique {
         paint_of_object: &[u32],
         params: &ImageParams,
     ) -> Result<Self> {
-        let window_px = params.window_px()?;
         if params.quilt.tileable {
             return Err(Error::parameter("tileable", true, "false for image-based synthesis: a frame does not repeat"));
         }
@@ -224,6 +230,7 @@ impl ImageTechnique {
         for (number, paint) in (1..).zip(paints) {
             let size = (paint.texture.width(), paint.texture.height());
             let sample = SampleTexels::new(context, uploads, &paint.texture.to_unorm8(), size)?;
+            let window_px = params.window_px(size.0)?;
             let quilt_guide = QuiltGuide { image: guide.clone(), paint: number, window_px };
             let quilt =
                 Quilt::new(context, uploads, stages, &sample, (width, height), &params.quilt, Some(quilt_guide))?;

@@ -84,3 +84,25 @@ pub fn noise(width: u32, height: u32, seed: u32) -> Vec<[u8; 4]> {
         .map(|[r, g, b]| [r, g, b, 255])
         .collect()
 }
+
+const CHILD: &str = "IMPASTO_TEST_CHILD";
+
+/// True in a process that [`run_child`] started.
+pub fn is_child() -> bool {
+    std::env::var_os(CHILD).is_some()
+}
+
+/// Runs one test of this very file in a process of its own with these environment variables; what it printed.
+pub fn run_child(test: &str, environment: &[(&str, &str)]) -> String {
+    let program = std::env::current_exe().expect("this program");
+    let output = std::process::Command::new(program)
+        .args(["--exact", test, "--nocapture"])
+        .env(CHILD, "1")
+        .envs(environment.iter().copied())
+        .output()
+        .expect("a process");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{test} with {environment:?}: {text}");
+    assert!(text.contains("1 passed"), "{test} is not a test: {text}");
+    text
+}

@@ -1,0 +1,253 @@
+//! The shaders that are built in: no binary older than its source, none that asks for more than plain Vulkan 1.1, and
+//! none that differs from the tables and structures that Rust keeps of it.
+//!
+//! That a binary is valid as a whole is checked by the validation layer whenever a pipeline is made from it in the
+//! other tests.
+
+mod spirv;
+
+#[path = "../examples/compile_shaders/sources.rs"]
+mod sources;
+
+use impasto::gpu::{Access, BindingKind};
+use impasto::shader_table;
+use impasto::synthesis::quilt::shared_structs;
+use spirv::{Binary, Member, Resource};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+fn glsl() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("glsl")
+}
+
+fn files_below(dir: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(dir).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            files.extend(files_below(&path));
+        } else {
+            files.push(path);
+        }
+    }
+    files
+}
+
+fn binaries() -> Vec<(String, Binary)> {
+    let shaders = sources::shaders(&glsl()).expect("the folder of shaders");
+    assert!(shaders.len() >= 4, "the folder of shaders is nearly empty");
+    shaders
+        .iter()
+        .map(|shader| {
+            let bytes = std::fs::read(shader.binary(&glsl())).unwrap_or_else(|e| panic!("{}: {e}", shader.name));
+            (shader.name.clone(), Binary::parse(&bytes))
+        })
+        .collect()
+}
+
+#[test]
+fn no_binary_is_older_than_its_source() {
+    let kept = std::fs::read_to_string(glsl().join("spirv/fingerprints.txt")).expect("the list of fingerprints");
+    let now = sources::listing(&glsl()).expect("fingerprints");
+    assert_eq!(kept, now, "shaders have changed since they were compiled");
+}
+
+#[test]
+fn every_source_has_a_binary_and_every_binary_a_source() {
+    let expected: BTreeSet<_> =
+        sources::shaders(&glsl()).expect("shaders").iter().map(|shader| shader.binary(&glsl())).collect();
+    let spirv = glsl().join("spirv");
+    let there: BTreeSet<_> = files_below(&spirv).into_iter().filter(|f| !f.ends_with("fingerprints.txt")).collect();
+    assert_eq!(there, expected);
+}
+
+/// Copies the shaders' sources, for changes to be planted in.
+fn copy_of_sources(to: &Path) {
+    for file in files_below(&glsl()) {
+        if file.extension().is_some_and(|e| e != "spv") {
+            let copy = to.join(file.strip_prefix(glsl()).expect("a file below glsl"));
+            std::fs::create_dir_all(copy.parent().expect("a folder")).expect("a folder");
+            std::fs::copy(&file, copy).expect("a copy");
+        }
+    }
+}
+
+/// The names whose line in the list differs after `change` was made to the text of `file`.
+fn stale_after(file: &str, change: impl Fn(&str) -> String) -> Vec<String> {
+    let copy = tempfile::tempdir().expect("a folder");
+    copy_of_sources(copy.path());
+    let before = sources::listing(copy.path()).expect("fingerprints");
+    let path = copy.path().join(file);
+    let text = std::fs::read_to_string(&path).expect(file);
+    let changed = change(&text);
+    assert_ne!(text, changed, "the change of {file} changes nothing");
+    std::fs::write(&path, changed).expect(file);
+    let after = sources::listing(copy.path()).expect("fingerprints");
+    let name = |line: &str| line.split_whitespace().nth(1).unwrap_or_default().to_owned();
+    before.lines().zip(after.lines()).filter(|(a, b)| a != b).map(|(a, _)| name(a)).collect()
+}
+
+#[test]
+fn one_byte_changed_is_noticed() {
+    let quilting = ["synthesis/quilt_guide.comp", "synthesis/quilt_place.comp", "synthesis/quilt_search.comp"];
+    assert_eq!(stale_after("synthesis/quilt_place.comp", |t| t.replacen('<', ">", 1)), quilting[1..2]);
+    assert_eq!(stale_after("synthesis/tile_mask.comp", |t| format!("{t}\n")), ["synthesis/tile_mask.comp"]);
+    // An included file is part of every shader that includes it.
+    assert_eq!(stale_after("synthesis/quilt.glsl", |t| t.replacen("TILE = 8", "TILE = 4", 1)), quilting);
+}
+
+#[test]
+fn binaries_ask_for_nothing_beyond_plain_vulkan_1_1() {
+    for (name, binary) in binaries() {
+        let faults = beyond_vulkan_1_1(&binary);
+        assert!(faults.is_empty(), "{name}: {}", faults.join("; "));
+    }
+}
+
+/// What a device that offers Vulkan 1.1 with no feature enabled need not be able to do.
+fn beyond_vulkan_1_1(binary: &Binary) -> Vec<String> {
+    let mut faults = Vec::new();
+    if binary.version > (1, 3) {
+        faults.push(format!("SPIR-V {:?}", binary.version));
+    }
+    // Those of Vulkan's table "capabilities" that depend on no feature.
+    let plain = [
+        "Matrix",
+        "Shader",
+        "InputAttachment",
+        "Sampled1D",
+        "Image1D",
+        "SampledBuffer",
+        "ImageBuffer",
+        "ImageQuery",
+        "DerivativeControl",
+    ];
+    faults.extend(binary.capabilities.iter().filter(|c| !plain.contains(&c.as_str())).cloned());
+    faults.extend(binary.extensions.iter().filter(|e| *e != "GLSL.std.450").cloned());
+    let (invocations, sides_fit) = match binary.local_size {
+        None => (0, true),
+        Some([x, y, z]) => (x * y * z, x <= 128 && y <= 128 && z <= 64),
+    };
+    if invocations > 128 || !sides_fit {
+        faults.push(format!("workgroups of {:?}", binary.local_size));
+    }
+    if binary.shared_bytes > 16_384 {
+        faults.push(format!("{} bytes of shared memory", binary.shared_bytes));
+    }
+    if binary.push_bytes() > 128 {
+        faults.push(format!("{} bytes of push constants", binary.push_bytes()));
+    }
+    if binary.entry_points != ["main"] {
+        faults.push(format!("entry points {:?}", binary.entry_points));
+    }
+    if binary.resources.iter().any(|r| r.set != 0) {
+        faults.push("a descriptor set other than 0".to_owned());
+    }
+    faults
+}
+
+#[test]
+fn a_binary_that_asks_for_more_is_noticed() {
+    let path = glsl().join("spirv/synthesis/quilt_place.comp.spv");
+    let good = Binary::parse(&std::fs::read(path).expect("the binary"));
+    assert_eq!(good.local_size, Some([128, 1, 1]));
+    // scratch and in_span 128 each, cumulative 64 * 32, cuts 4 * 64, position 2, position_error; 4 bytes each.
+    assert_eq!(good.shared_bytes, 4 * (2 * 128 + 64 * 32 + 4 * 64 + 2 + 1));
+    let faults = |change: &dyn Fn(&mut Binary)| {
+        let mut changed = good.clone();
+        change(&mut changed);
+        beyond_vulkan_1_1(&changed).len()
+    };
+    assert_eq!(faults(&|_| ()), 0);
+    assert_eq!(faults(&|b| b.version = (1, 4)), 1);
+    assert_eq!(faults(&|b| b.capabilities.push("Int64".to_owned())), 1);
+    assert_eq!(faults(&|b| b.extensions.push("SPV_KHR_16bit_storage".to_owned())), 1);
+    assert_eq!(faults(&|b| b.local_size = Some([129, 1, 1])), 1);
+    assert_eq!(faults(&|b| b.shared_bytes = 16_385), 1);
+    assert_eq!(faults(&|b| b.push.push(Member { offset: 128, bytes: 4 })), 1);
+}
+
+/// How a binding of the table would have to look in the SPIR-V.
+fn expected(binding: u32, kind: BindingKind) -> Resource {
+    let (class, access) = match kind {
+        BindingKind::Uniform => ("uniform buffer", Access::ComputeRead),
+        BindingKind::Buffer(access) => ("storage buffer", access),
+        BindingKind::Image(access) => ("storage image", access),
+    };
+    let (non_writable, non_readable) = match access {
+        Access::ComputeRead => (class != "uniform buffer", false),
+        Access::ComputeWrite => (false, true),
+        Access::ComputeReadWrite => (false, false),
+        other => panic!("a compute shader's binding declares {other:?}"),
+    };
+    Resource { set: 0, binding, class, non_writable, non_readable }
+}
+
+#[test]
+fn tables_say_what_the_binaries_say() {
+    let binaries = binaries();
+    let table = shader_table::shaders();
+    let compute: BTreeSet<&str> =
+        binaries.iter().filter(|(_, b)| b.local_size.is_some()).map(|(name, _)| name.as_str()).collect();
+    let listed: BTreeSet<&str> = table.iter().map(|(source, _)| *source).collect();
+    assert_eq!(listed, compute, "the table of shaders is not complete");
+    for (source, shader) in &table {
+        let binary = &binaries.iter().find(|(name, _)| name == source).expect("it is listed").1;
+        let stem = Path::new(source).file_stem().and_then(|s| s.to_str());
+        assert_eq!(stem, Some(shader.name), "{source}: a shader is named as its file");
+        assert_eq!(&Binary::parse(shader.spirv), binary, "{source}: another binary is built in");
+        let bindings: Vec<_> = (0..).zip(shader.bindings).map(|(i, &kind)| expected(i, kind)).collect();
+        assert_eq!(binary.resources, bindings, "{source}: bindings");
+        assert_eq!(binary.push_bytes(), shader.push_bytes, "{source}: push constants");
+    }
+    for (name, binary) in binaries.iter().filter(|(_, b)| b.local_size.is_none()) {
+        assert!(binary.resources.is_empty(), "{name}: raster pipelines have no descriptors");
+    }
+}
+
+/// The members of a structure in GLSL that consists of `uint`s, in order.
+fn glsl_members(file: &str, name: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(glsl().join(file)).expect(file);
+    let at = text.find(&format!("{name} {{")).unwrap_or_else(|| panic!("{file} has no {name}"));
+    let body = text[at..].split_once('{').and_then(|(_, rest)| rest.split_once('}')).expect("braces").0;
+    let code: String = body.lines().map(|line| line.split("//").next().unwrap_or_default()).collect();
+    let members = code.split(';').map(str::trim).filter(|m| !m.is_empty());
+    members
+        .flat_map(|m| m.strip_prefix("uint ").unwrap_or_else(|| panic!("{m} is not of uint")).split(','))
+        .map(|m| m.trim().to_owned())
+        .collect()
+}
+
+/// Names are gone from the binaries, so order is compared with the GLSL text and offsets with the binary.
+#[test]
+fn structures_are_the_same_in_rust_and_glsl() {
+    let binaries = binaries();
+    for (file, name, bytes, fields) in shared_structs() {
+        let members = glsl_members(file, name);
+        assert_eq!(members.len() * 4, bytes, "{file}: {name}");
+        for (field, offset) in fields {
+            // Rust may have one array where GLSL has several members: output is output_width and output_height.
+            let member = &members[offset / 4];
+            assert!(member == field || member.starts_with(&format!("{field}_")), "{file}: {field} lies on {member}");
+        }
+        let offsets: Vec<_> = (0..members.len() as u32).map(|i| Member { offset: i * 4, bytes: 4 }).collect();
+        match name {
+            "uniform Push" => {
+                let binary = &binaries.iter().find(|(source, _)| source == file).expect(file).1;
+                assert_eq!(binary.push, offsets, "{file}: {name}");
+            }
+            _ => {
+                let folder = Path::new(file).parent();
+                let users: Vec<_> = binaries
+                    .iter()
+                    .filter(|(source, _)| Path::new(source).parent() == folder)
+                    .flat_map(|(_, binary)| &binary.arrays_of_structs)
+                    .collect();
+                assert_eq!(users.len(), 3, "the three quilting stages have an array of {name}");
+                for (stride, layout) in users {
+                    assert_eq!((*stride, layout), (bytes as u32, &offsets), "{file}: {name}");
+                }
+            }
+        }
+    }
+}
