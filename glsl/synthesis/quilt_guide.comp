@@ -39,7 +39,11 @@ uint scaled(uint a, uint b, uint d) {
 }
 
 void main() {
-    uint index = gl_WorkGroupID.x;
+    // In two dimensions, because one of them need not reach beyond 65,535.
+    uint index = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    if (index >= blocks.length()) {
+        return;
+    }
     uint lane = gl_LocalInvocationID.x;
     uint last = push.sample_width - push.block_px;
     if (lane == 0) {

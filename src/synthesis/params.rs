@@ -9,6 +9,8 @@ use crate::error::{Error, Result};
 
 /// Largest side of a sample, in pixels.
 pub(crate) const MAX_SAMPLE_PX: u32 = 4096;
+/// Most blocks of an output. At the default block and overlap the largest output has 400,000.
+const MAX_BLOCKS: usize = 1 << 20;
 /// Largest side of an output, in pixels.
 const MAX_OUTPUT_PX: u32 = 16384;
 
@@ -72,7 +74,13 @@ impl QuiltParams {
             let allowed = format!("1 to {} (half of block_px)", self.block_px / 2);
             return Err(Error::parameter("overlap_px", self.overlap_px, allowed));
         }
-        Ok([self.spans("output width", output.0)?, self.spans("output height", output.1)?])
+        let axes = [self.spans("output width", output.0)?, self.spans("output height", output.1)?];
+        let blocks = axes[0].len() * axes[1].len();
+        if blocks > MAX_BLOCKS {
+            let allowed = format!("at most {MAX_BLOCKS}: a smaller output, a larger block_px or a smaller overlap_px");
+            return Err(Error::parameter("number of blocks", blocks, allowed));
+        }
+        Ok(axes)
     }
 
     /// Cuts one side of the output into the spans of its columns (or rows). Block and overlap are known to be in range.

@@ -25,6 +25,8 @@ const GROUP: u32 = 128;
 const TILE: u32 = 8;
 /// Texels that a search may read beyond the right edge of a sample.
 const PADDING: u32 = TILE + 6;
+/// Blocks in a row of `quilt_guide`'s workgroups; every device allows more.
+const GUIDE_GROUPS_X: u32 = 32_768;
 /// Memory for the errors of one dispatch; longer waves are cut.
 const ERRORS_BYTES: u64 = 64 << 20;
 /// Pixel comparisons after which a step of the search is cut, so that a submission can be kept short.
@@ -427,7 +429,8 @@ impl Quilt {
                         window_px: self.guide.as_ref().map_or(0, |guide| guide.window_px.min(self.sample_size.0)),
                     };
                     let blocks = self.layout.placements.len() as u32;
-                    recorder.dispatch(&self.stages.guide, &self.guide_set, &push, [blocks, 1, 1]);
+                    let groups = [blocks.min(GUIDE_GROUPS_X), blocks.div_ceil(GUIDE_GROUPS_X), 1];
+                    recorder.dispatch(&self.stages.guide, &self.guide_set, &push, groups);
                 }
                 Step::Search { blocks, groups } => {
                     let push = SearchPush {
