@@ -183,7 +183,7 @@ fn very_many_blocks_equal_the_oracle() {
     let mut bench = Bench::new();
     let sample = noise(9, 9, 8);
     let wide = params(4, 2, 0.1, 9, false);
-    let case = Case { sample: &sample, size: (9, 9), output: (9000, 18), params: wide, guide: None };
+    let case = Case { sample: &sample, size: (9, 9), output: (2600, 60), params: wide, guide: None };
     assert!(bench.check(&case, "36,000 blocks").blocks.len() > 35_000);
     let message = wide.validate((9, 9), (16_384, 16_384)).map_err(|e| e.to_string()).expect_err("67 million blocks");
     assert!(message.contains("number of blocks"), "{message}");
