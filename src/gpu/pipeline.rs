@@ -271,8 +271,13 @@ impl PipelineCacheFile {
         }
     }
 
+    /// Where the file lies.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The cached data, if the file is whole and belongs to this very device and driver.
-    fn load(&self) -> Option<Vec<u8>> {
+    pub fn load(&self) -> Option<Vec<u8>> {
         if std::fs::metadata(&self.path).ok()?.len() > CACHE_MAX_BYTES {
             return None;
         }
