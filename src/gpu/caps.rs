@@ -2,7 +2,6 @@
 
 use crate::{Error, Result};
 use ash::vk;
-use std::ffi::CStr;
 use std::fmt;
 use std::str::FromStr;
 
@@ -155,7 +154,7 @@ pub(crate) fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice, i
     // SAFETY: `physical` was enumerated from this live instance, which is of version 1.1.
     unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
     let p = properties.properties;
-    let name = p.device_name_as_c_str().unwrap_or(CStr::from_bytes_with_nul(b"?\0").unwrap_or_default());
+    let name = p.device_name_as_c_str().unwrap_or(c"?");
     DeviceInfo {
         index,
         name: name.to_string_lossy().into_owned(),
