@@ -2,7 +2,6 @@
 
 use crate::{Error, Result};
 use ash::vk;
-use std::ffi::CStr;
 use std::fmt;
 use std::str::FromStr;
 
@@ -155,7 +154,7 @@ pub(crate) fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice, i
     // SAFETY: `physical` was enumerated from this live instance, which is of version 1.1.
     unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
     let p = properties.properties;
-    let name = p.device_name_as_c_str().unwrap_or(CStr::from_bytes_with_nul(b"?\0").unwrap_or_default());
+    let name = p.device_name_as_c_str().unwrap_or(c"?");
     DeviceInfo {
         index,
         name: name.to_string_lossy().into_owned(),
@@ -183,6 +182,8 @@ pub struct Caps {
     pub timestamp_bits: u32,
     /// Largest side of a 2D image, pixels (4,096 at least).
     pub max_image_2d_px: u32,
+    /// Largest side of a 3D image, texels (256 at least).
+    pub max_image_3d_px: u32,
     /// Largest range of one storage buffer, bytes (128 MiB at least).
     pub max_storage_buffer_bytes: u64,
     /// Largest x count of workgroups in a dispatch (65,535 at least).
@@ -212,6 +213,7 @@ impl Caps {
             timestamp_period_ns: p.limits.timestamp_period,
             timestamp_bits: families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits),
             max_image_2d_px: p.limits.max_image_dimension2_d,
+            max_image_3d_px: p.limits.max_image_dimension3_d,
             max_storage_buffer_bytes: u64::from(p.limits.max_storage_buffer_range),
             max_group_count_x: p.limits.max_compute_work_group_count[0],
             // One of the two is promised by every Vulkan device.

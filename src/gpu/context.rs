@@ -141,7 +141,12 @@ impl Loader {
             info = info.push_next(&mut features).push_next(messenger);
         }
         // SAFETY: every pointer in `info` outlives the call.
-        let instance = unsafe { entry.create_instance(&info, None) }.map_err(vulkan("vkCreateInstance"))?;
+        let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
+            vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
+                Error::Device("no Vulkan driver was found: the loader is here, but knows of no device".to_owned())
+            }
+            other => vulkan("vkCreateInstance")(other),
+        })?;
         let messenger = match log.as_deref() {
             None => None,
             Some(log) => {
@@ -243,15 +248,25 @@ impl Context {
             Ok((device, physical, family, info)) => {
                 // SAFETY: the family was asked for with one queue.
                 let queue = unsafe { device.get_device_queue(family, 0) };
-                let mut inner = Inner::new(&loader.instance, physical, device, family, info, options.memory_budget)?;
+                let made = Inner::new(&loader.instance, physical, device.clone(), family, info, options.memory_budget);
+                let mut inner = match made {
+                    Ok(inner) => inner,
+                    Err(error) => {
+                        // SAFETY: nothing was made from the device.
+                        unsafe { device.destroy_device(None) };
+                        loader.destroy();
+                        return Err(error);
+                    }
+                };
                 inner.queue = queue;
                 if loader.debug_utils {
                     inner.debug_utils = Some(ash::ext::debug_utils::Device::new(&inner.instance, &inner.device));
                 }
+                // From here on dropping `inner` destroys device and instance.
+                inner.loader = Some(loader);
                 let file = options.pipeline_cache_dir.as_ref().map(|dir| PipelineCacheFile::new(dir, &inner.caps));
                 inner.pipeline_cache = PipelineCacheFile::create(file.as_ref(), &inner.device)?;
                 inner.cache_file = file;
-                inner.loader = Some(loader);
                 Ok(Context { inner: Arc::new(inner) })
             }
             Err(error) => {

@@ -88,7 +88,8 @@ impl Buffer {
     /// Makes a buffer of `bytes` bytes; its content is undefined.
     ///
     /// # Errors
-    /// [`Error::Memory`] when the context's budget does not allow it, [`Error::Vulkan`] when a call fails.
+    /// [`Error::Memory`] when the context's budget does not allow it, [`Error::Device`] when it is a storage buffer
+    /// larger than the device allows, [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context, name: &str, kind: BufferKind, bytes: u64) -> Result<Self> {
         Ok(Buffer(Arc::new(BufferInner::new(context, name, kind, bytes)?)))
     }
@@ -139,8 +140,13 @@ impl BufferInner {
         let bytes = bytes.max(4);
         if kind == BufferKind::Storage && bytes > context.caps().max_storage_buffer_bytes {
             let limit = context.caps().max_storage_buffer_bytes;
-            return Err(Error::Memory { what: name.to_owned(), needed: bytes, available: limit });
+            let device = &context.device_info().name;
+            return Err(Error::Device(format!(
+                "{name} needs a storage buffer of {bytes} bytes, but {device} allows {limit} bytes"
+            )));
         }
+        // Before Vulkan sees it: drivers need not take any size, and would not say what it was for.
+        check_budget(context, name, bytes)?;
         let device = context.device();
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
         // SAFETY: a plain creation on a live device.
@@ -216,9 +222,10 @@ impl Image {
     /// [`Error::Parameter`] for a size of 0 or over the device's limit, [`Error::Memory`] when the budget does not
     /// allow it, [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context, name: &str, desc: &ImageDesc) -> Result<Self> {
-        let limit = context.caps().max_image_2d_px;
         let [width, height, depth] = desc.size_px;
-        if width == 0 || height == 0 || depth == 0 || width > limit || height > limit {
+        let caps = context.caps();
+        let limit = if depth > 1 { caps.max_image_3d_px } else { caps.max_image_2d_px };
+        if desc.size_px.iter().any(|side| !(1..=limit).contains(side)) {
             return Err(Error::parameter(
                 "image size",
                 format!("{width}x{height}x{depth}"),
@@ -371,6 +378,15 @@ fn whole_range(format: vk::Format) -> vk::ImageSubresourceRange {
     }
 }
 
+fn check_budget(context: &Context, name: &str, bytes: u64) -> Result<()> {
+    let inner = context.inner();
+    let available = inner.budget.saturating_sub(inner.allocated.load(Ordering::Relaxed));
+    if bytes > available {
+        return Err(Error::Memory { what: name.to_owned(), needed: bytes, available });
+    }
+    Ok(())
+}
+
 fn allocate(
     context: &Context,
     name: &str,
@@ -379,11 +395,7 @@ fn allocate(
     linear: bool,
 ) -> Result<Allocation> {
     let inner = context.inner();
-    let used = inner.allocated.load(Ordering::Relaxed);
-    if used.saturating_add(requirements.size) > inner.budget {
-        let available = inner.budget.saturating_sub(used);
-        return Err(Error::Memory { what: name.to_owned(), needed: requirements.size, available });
-    }
+    check_budget(context, name, requirements.size)?;
     let mut allocator = lock(&inner.allocator);
     let Some(allocator) = allocator.as_mut() else {
         return Err(Error::Device("the context is being torn down".to_owned()));

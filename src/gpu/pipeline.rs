@@ -271,8 +271,13 @@ impl PipelineCacheFile {
         }
     }
 
+    /// Where the file lies.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The cached data, if the file is whole and belongs to this very device and driver.
-    fn load(&self) -> Option<Vec<u8>> {
+    pub fn load(&self) -> Option<Vec<u8>> {
         if std::fs::metadata(&self.path).ok()?.len() > CACHE_MAX_BYTES {
             return None;
         }
@@ -307,8 +312,9 @@ impl PipelineCacheFile {
             return;
         }
         let Some(dir) = self.path.parent() else { return };
-        // Renaming a finished file means that a reader never sees half of one.
-        let temporary = self.path.with_extension(format!("{}.tmp", std::process::id()));
+        // Renaming a finished file means that a reader never sees half of one; its name is this context's own.
+        let own = (std::process::id(), vk::Handle::as_raw(cache));
+        let temporary = self.path.with_extension(format!("{}.{:x}.tmp", own.0, own.1));
         let written = std::fs::create_dir_all(dir)
             .and_then(|()| std::fs::write(&temporary, file))
             .and_then(|()| std::fs::rename(&temporary, &self.path));

@@ -69,7 +69,6 @@ impl Runner {
             device.begin_command_buffer(self.commands, &begin).map_err(vulkan("vkBeginCommandBuffer"))?;
             let mut recorder = Recorder::new(&self.context, self.commands, Some(&mut self.timer));
             let value = record(&mut recorder);
-            drop(recorder);
             device.end_command_buffer(self.commands).map_err(vulkan("vkEndCommandBuffer"))?;
             value?
         };

@@ -1,0 +1,383 @@
+//! The library inside a host that it knows nothing of: the host's device, queue and command buffers, its own
+//! submissions and waits, and its own copies of what was made.
+
+mod common;
+mod host;
+
+use ash::vk;
+use common::{noise, Numbers, Validated};
+use host::{calls, Host, HostImage};
+use impasto::gpu::{
+    Buffer, BufferKind, Context, HostDevice, Image, ImageDesc, Recorder, ResourceState, Runner, Uploads,
+};
+use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
+use impasto::synthesis::params::QuiltParams;
+use impasto::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
+use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
+
+const SAMPLE: (u32, u32) = (64, 40);
+const OUTPUT: (u32, u32) = (90, 70);
+const PARAMS: QuiltParams = QuiltParams { block_px: 16, overlap_px: 4, tolerance: 0.1, seed: 5, tileable: false };
+const PAINT: u32 = 2;
+const WINDOW_PX: u32 = 12;
+
+fn sample() -> Vec<[u8; 4]> {
+    noise(SAMPLE.0, SAMPLE.1, 21)
+}
+
+/// Shade from left to right, a hole, and another paint in a corner.
+fn guide_texels() -> Vec<u32> {
+    let mut numbers = Numbers(77);
+    let texel = |i: u32| {
+        let (x, y) = (i % OUTPUT.0, i / OUTPUT.0);
+        let paint = match (x, y) {
+            (30..60, 20..60) => 0,
+            (70.., 50..) => 1,
+            _ => PAINT,
+        };
+        (x * 230 / OUTPUT.0 + numbers.next() % 20) | paint << 16
+    };
+    (0..OUTPUT.0 * OUTPUT.1).map(texel).collect()
+}
+
+/// The canvas by the oracle.
+fn oracle(guided: bool) -> Vec<u8> {
+    let texels = guide_texels();
+    let shade: Vec<u8> = texels.iter().map(|t| *t as u8).collect();
+    let covered: Vec<bool> = texels.iter().map(|t| t >> 16 == PAINT).collect();
+    let guide = OracleGuide { shade: &shade, covered: &covered, window_px: WINDOW_PX };
+    let quilted = quilt_oracle(&sample(), SAMPLE, OUTPUT, &PARAMS, guided.then_some(&guide)).expect("oracle");
+    quilted.pixels.into_flattened()
+}
+
+/// The canvas by the library's own runner on a device of its own.
+fn by_runner(guided: bool) -> Vec<u8> {
+    let gpu = Validated::new();
+    let mut uploads = Uploads::default();
+    let guide = guided.then(|| {
+        let desc = ImageDesc::storage_2d(OUTPUT.0, OUTPUT.1, vk::Format::R32_UINT);
+        let image = Image::new(&gpu.context, "guide", &desc).expect("guide");
+        uploads.image(&gpu.context, &image, bytemuck::cast_slice(&guide_texels())).expect("guide");
+        QuiltGuide { image, paint: PAINT, window_px: WINDOW_PX }
+    });
+    let quilt = quilting(&gpu.context, &mut uploads, guide);
+    let mut runner = gpu.runner();
+    runner
+        .run(|recorder| {
+            uploads.record(recorder);
+            quilt.record(recorder, PARAMS.seed, 0);
+            Ok(())
+        })
+        .expect("run");
+    runner.read_image(quilt.canvas()).expect("canvas")
+}
+
+fn quilting(context: &Context, uploads: &mut Uploads, guide: Option<QuiltGuide>) -> Quilt {
+    let stages = QuiltStages::new(context).expect("stages");
+    let texels = SampleTexels::new(context, uploads, &sample(), SAMPLE).expect("sample");
+    Quilt::new(context, uploads, &stages, &texels, OUTPUT, &PARAMS, guide).expect("quilt")
+}
+
+/// A context on the host's device.
+fn borrow(device: HostDevice) -> Context {
+    // SAFETY: the tests drop the context before the host's device, when all work is done.
+    unsafe { Context::from_host(device) }.expect("a context")
+}
+
+/// A recorder into a command buffer of the host's.
+fn recorder(context: &Context, commands: vk::CommandBuffer) -> Recorder<'_> {
+    // SAFETY: the host's command buffers are begun, submitted in order and waited for.
+    unsafe { Recorder::new(context, commands, None) }
+}
+
+/// The host's image as the library sees it: just copied to.
+fn wrapped(context: &Context, image: &HostImage) -> Image {
+    let state = ResourceState::from_host(
+        vk::PipelineStageFlags::TRANSFER,
+        vk::AccessFlags::TRANSFER_WRITE,
+        vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+    );
+    let desc =
+        ImageDesc { size_px: [image.size.0, image.size.1, 1], format: vk::Format::R32_UINT, usage: host::usage() };
+    // SAFETY: the host's image outlives the context, and was left in this state.
+    unsafe { Image::from_host(context, image.image, image.view, &desc, state) }
+}
+
+fn assert_silent(messages: &[String]) {
+    assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+}
+
+/// Quilts in the host's command buffer; the canvas by the host's own copy.
+fn by_host(host: &Host, device: HostDevice, guide: Option<&HostImage>) -> Vec<u8> {
+    let context = borrow(device);
+    let mut uploads = Uploads::default();
+    let guide = guide.map(|image| QuiltGuide { image: wrapped(&context, image), paint: PAINT, window_px: WINDOW_PX });
+    let quilt = quilting(&context, &mut uploads, guide);
+    host.run(|commands| {
+        let mut recorder = recorder(&context, commands);
+        uploads.record(&mut recorder);
+        quilt.record(&mut recorder, PARAMS.seed, 0);
+    });
+    assert_eq!(quilt.canvas().layout(), vk::ImageLayout::GENERAL);
+    host.read_image(quilt.canvas().handle(), quilt.canvas().layout(), OUTPUT)
+}
+
+#[test]
+fn a_foreign_host_gets_the_same_bytes() {
+    let host = Host::new();
+    let free = oracle(false);
+    assert!(by_runner(false) == free, "the runner's canvas is not the oracle's");
+    assert!(by_host(&host, host.lent(), None) == free, "the host's canvas is not the oracle's");
+    assert!(by_host(&host, host.lent_raw(), None) == free, "the canvas through raw handles is not the oracle's");
+    assert_silent(&host.destroy());
+}
+
+#[test]
+fn a_foreign_host_guides_with_an_image_of_its_own() {
+    let host = Host::new();
+    let texels = guide_texels();
+    let guided = oracle(true);
+    assert!(guided.chunks(4).any(|p| p[3] == 0) && guided.chunks(4).any(|p| p[3] == 255));
+    assert!(by_runner(true) == guided, "the runner's canvas is not the oracle's");
+    for device in [host.lent(), host.lent_raw()] {
+        let guide = host.image(&texels, OUTPUT);
+        assert!(by_host(&host, device, Some(&guide)) == guided, "the host's canvas is not the oracle's");
+        // The context is gone; the host's image is still there, in the layout that reading shaders want.
+        let left = host.read_image(guide.image, vk::ImageLayout::GENERAL, OUTPUT);
+        assert_eq!(bytemuck::pod_collect_to_vec::<u8, u32>(&left), texels);
+        host.destroy_image(guide);
+    }
+    assert_silent(&host.destroy());
+}
+
+/// What is recorded for a frame of guides: shade and object of each pixel.
+fn guide_pass(context: &Context, uploads: &mut Uploads) -> (GuidePass, Camera) {
+    let asset = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/head.obj");
+    let mesh = Mesh::load(asset, &MeshOptions::default()).expect("a mesh").mesh;
+    let camera = Camera::framing(&mesh, &Framing::default(), 9.0 / 7.0).expect("a camera");
+    (GuidePass::new(context, uploads, &mesh, OUTPUT).expect("a guide pass"), camera)
+}
+
+#[test]
+fn a_foreign_host_draws_the_same_guides() {
+    let host = Host::new();
+    let gpu = Validated::new();
+    let mut uploads = Uploads::default();
+    let (pass, camera) = guide_pass(&gpu.context, &mut uploads);
+    let mut runner = gpu.runner();
+    let drawn = runner.run(|recorder| {
+        uploads.record(recorder);
+        pass.record(recorder, &camera, &Lights::default())
+    });
+    drawn.expect("run");
+    let mut expected = |image: &Image| runner.read_image(image).expect("an image");
+    let expected = [expected(pass.shade()), expected(pass.id())];
+    assert!(expected[1].chunks(4).filter(|id| id[0] == 1).count() > 500, "hardly anything was drawn");
+    for device in [host.lent(), host.lent_raw()] {
+        let context = borrow(device);
+        let mut uploads = Uploads::default();
+        let (pass, camera) = guide_pass(&context, &mut uploads);
+        host.run(|commands| {
+            let mut recorder = recorder(&context, commands);
+            uploads.record(&mut recorder);
+            pass.record(&mut recorder, &camera, &Lights::default()).expect("a picture's shape");
+        });
+        for (image, expected) in [pass.shade(), pass.id()].into_iter().zip(&expected) {
+            assert!(&host.read_image(image.handle(), image.layout(), OUTPUT) == expected);
+        }
+    }
+    assert_silent(&host.destroy());
+}
+
+#[test]
+fn only_the_host_submits() {
+    let host = Host::new();
+    let context = borrow(host.lent());
+    let refused = Runner::new(&context).map(|_| ()).expect_err("a runner on a borrowed device");
+    assert!(refused.to_string().contains("host"), "{refused}");
+    drop(context);
+    assert_silent(&host.destroy());
+}
+
+#[test]
+fn recording_a_frame_only_records() {
+    let host = Host::new();
+    let context = borrow(host.lent());
+    let mut uploads = Uploads::default();
+    calls::take();
+    let quilt = quilting(&context, &mut uploads, None);
+    let (pass, camera) = guide_pass(&context, &mut uploads);
+    // Preparing does allocate and compile, and the counting sees it; it does not submit or wait.
+    let prepared = calls::take();
+    for name in [
+        "vkAllocateMemory",
+        "vkCreateBuffer",
+        "vkCreateImage",
+        "vkCreateImageView",
+        "vkCreateShaderModule",
+        "vkCreateComputePipelines",
+        "vkCreateGraphicsPipelines",
+        "vkCreateRenderPass",
+        "vkCreateFramebuffer",
+        "vkCreatePipelineLayout",
+        "vkCreateDescriptorSetLayout",
+        "vkCreateDescriptorPool",
+        "vkAllocateDescriptorSets",
+        "vkUpdateDescriptorSets",
+    ] {
+        assert!(prepared.contains_key(name), "{name} is not counted: {prepared:?}");
+    }
+    for name in ["vkQueueSubmit", "vkWaitForFences", "vkQueueWaitIdle", "vkDeviceWaitIdle", "vkBeginCommandBuffer"] {
+        assert!(!prepared.contains_key(name), "preparing calls {name}");
+    }
+    host.run(|commands| uploads.record(&mut recorder(&context, commands)));
+    let run = calls::take();
+    assert!(run.contains_key("vkQueueSubmit") && run.contains_key("vkWaitForFences"), "{run:?}");
+
+    let commands = host.begin();
+    host.end(commands);
+    let mut frames = std::collections::BTreeSet::new();
+    for frame in 0..100 {
+        host.begin_again(commands);
+        calls::take();
+        let mut recorder = recorder(&context, commands);
+        pass.record(&mut recorder, &camera, &Lights::default()).expect("a picture's shape");
+        quilt.record(&mut recorder, PARAMS.seed, frame);
+        context.advance(u64::from(frame) + 2, u64::from(frame));
+        let recorded = calls::take();
+        host.end(commands);
+        let names: Vec<_> = recorded.keys().copied().collect();
+        // The first frame may free what was staged for the uploads, which have run by now.
+        let freed = |name: &&str| ["vkDestroyBuffer", "vkFreeMemory"].contains(name);
+        let names: Vec<_> = names.into_iter().filter(|name| frame > 1 || !freed(name)).collect();
+        assert_eq!(names, ["vkCmdDispatch", "vkCmdDrawIndexed"], "frame {frame}: {recorded:?}");
+        host.submit(&[commands]);
+        host.wait();
+        if frame % 25 == 0 {
+            frames.insert(host.read_image(quilt.canvas().handle(), quilt.canvas().layout(), OUTPUT));
+        }
+    }
+    assert_eq!(frames.len(), 4, "frames of one seed are alike");
+    drop((quilt, pass, uploads, context));
+    assert_silent(&host.destroy());
+}
+
+/// What the frame in flight uses may be dropped; it is destroyed when the host says that the frame is done.
+#[test]
+fn objects_dropped_in_flight_live_until_their_frame_is_safe() {
+    let host = Host::new();
+    let context = borrow(host.lent());
+    let submit = |frame: u64| {
+        context.advance(frame, frame - 1);
+        let mut uploads = Uploads::default();
+        let quilt = quilting(&context, &mut uploads, None);
+        let commands = host.begin();
+        let mut recorder = recorder(&context, commands);
+        uploads.record(&mut recorder);
+        quilt.record(&mut recorder, PARAMS.seed, 0);
+        let done = host.flag_when_done(commands);
+        host.end(commands);
+        host.submit(&[commands]);
+        // Here quilt, pipelines, descriptor sets, sample and staging memory are dropped.
+        done
+    };
+    let destroyed = ["vkDestroyBuffer", "vkDestroyImage", "vkDestroyPipeline", "vkDestroyDescriptorPool"];
+    let none = |what: &str| {
+        let calls = calls::take();
+        assert!(destroyed.iter().all(|name| !calls.contains_key(name)), "{what}: {calls:?}");
+    };
+    let done = submit(1);
+    none("dropped in flight");
+    assert!(context.allocated_bytes() > 0);
+    context.advance(2, 0);
+    none("frame 1 is not safe");
+    host.wait();
+    assert!(done.is_set(&host));
+    done.destroy(&host);
+    calls::take();
+    context.advance(3, 1);
+    let calls = calls::take();
+    assert!(destroyed.iter().all(|name| calls.contains_key(name)), "frame 1 is safe: {calls:?}");
+    assert_eq!(context.allocated_bytes(), 0);
+    assert_silent(&host.take_messages());
+
+    // The same with a host that says so too early: validation must notice, or the silence above proves nothing. It goes
+    // by what the host has waited for; the work itself is over, so that nothing is pulled from under it in truth.
+    let done = submit(4);
+    while !done.is_set(&host) {
+        std::thread::yield_now();
+    }
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    context.advance(5, 4);
+    let messages = host.take_messages();
+    assert!(messages.iter().any(|m| m.contains("VUID-vkDestroyBuffer-buffer-00922")), "{messages:?}");
+    host.wait();
+    done.destroy(&host);
+    drop(context);
+    assert_silent(&host.destroy());
+}
+
+#[test]
+fn a_leak_is_noticed() {
+    let host = Host::new();
+    let context = borrow(host.lent());
+    let buffer = Buffer::new(&context, "left over", BufferKind::Storage, 1000).expect("a buffer");
+    // Keeps the context too: neither is dropped any more.
+    std::mem::forget(buffer);
+    drop(context);
+    let messages = host.destroy();
+    assert!(messages.iter().any(|m| m.contains("VkBuffer") && m.contains("has not been destroyed")), "{messages:?}");
+}
+
+const QUEUE_SUBMIT: (&str, &str) =
+    ("VK_LAYER_ENABLES", "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT");
+
+/// Run by the next test in a process of its own.
+#[test]
+fn child_submits_every_step_in_a_command_buffer_of_its_own() {
+    if !common::is_child() {
+        return;
+    }
+    let host = Host::new();
+    let context = borrow(host.lent());
+    let mut uploads = Uploads::default();
+    let quilt = quilting(&context, &mut uploads, None);
+    let steps = quilt.parts(0).last().map_or(0, |part| part.end);
+    let submit = |uploads: &mut Uploads, first: usize, omit: bool| {
+        let commands: Vec<_> = (first..steps)
+            .map(|step| {
+                let commands = host.begin();
+                let mut recorder = recorder(&context, commands);
+                uploads.record(&mut recorder);
+                if omit {
+                    recorder.omit_barriers();
+                }
+                quilt.record_part(&mut recorder, step..step + 1, PARAMS.seed, 0);
+                host.end(commands);
+                commands
+            })
+            .collect();
+        host.submit(&commands);
+        host.wait();
+    };
+    submit(&mut uploads, 0, false);
+    let canvas = host.read_image(quilt.canvas().handle(), quilt.canvas().layout(), OUTPUT);
+    assert!(canvas == oracle(false), "the canvas is not the oracle's");
+    assert_silent(&host.take_messages());
+    // Without barriers the steps after the first write and read the same memory at once.
+    submit(&mut uploads, 1, true);
+    let messages = host.take_messages();
+    let kinds = ["READ_AFTER_WRITE", "WRITE_AFTER_READ", "WRITE_AFTER_WRITE"];
+    for kind in kinds {
+        println!("{kind}: {}", messages.iter().filter(|m| m.contains(kind)).count());
+    }
+    assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD")), "{messages:?}");
+    drop((quilt, uploads, context));
+    assert_silent(&host.destroy());
+}
+
+#[test]
+fn barriers_hold_between_command_buffers_too() {
+    let output = common::run_child("child_submits_every_step_in_a_command_buffer_of_its_own", &[QUEUE_SUBMIT]);
+    eprintln!("{output}");
+}
