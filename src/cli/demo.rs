@@ -23,7 +23,7 @@ pub struct DemoArgs {
     #[arg(short, long, value_name = "DIR", default_value = "demo")]
     output: PathBuf,
     /// Size of the rendered pictures
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", allow_hyphen_values = true)]
     size: Size,
 }
 
@@ -51,7 +51,7 @@ pub struct Taken {
     pub time: Duration,
 }
 
-const SCRIPT: [Step; 9] = [
+const SCRIPT: [Step; 10] = [
     Step {
         arguments: "render head.obj --paint strip_green_yellow.png -o head_green_yellow.png --size SIZE --k 1.5 \
                     --levels --dump head_green_yellow",
@@ -119,16 +119,24 @@ const SCRIPT: [Step; 9] = [
         repeated: None,
     },
     Step {
-        arguments: "quilt strip_dark_red.png -o quilt.png --size SQUARE",
-        title: "Image quilting",
-        text: "More of the same: blocks of the sample, cut where the eye sees it least.",
-        pictures: &[("quilt.png", "Quilted"), ("strip_dark_red.png", "The sample")],
+        arguments: "paint strip_green_yellow.png -o one_color --gradient 0:#2c6e7f,1:#4f9d8c",
+        title: "A paint of nearly one colour",
+        text: "A short gradient leaves little but the strokes: a sample that is alike everywhere.",
+        pictures: &[("strip_green_yellow.png", "The strip"), ("one_color/recombined.png", "Nearly one colour")],
         repeated: None,
     },
     Step {
-        arguments: "quilt strip_red_yellow.png -o quilt_wrap.png --size SQUARE --tileable wrap",
+        arguments: "quilt one_color/recombined.png -o quilt.png --size SQUARE --block 48 --overlap 12",
+        title: "Image quilting",
+        text: "More of the same: blocks of the sample, cut where the eye sees it least.",
+        pictures: &[("one_color/recombined.png", "The sample"), ("quilt.png", "Quilted")],
+        repeated: None,
+    },
+    Step {
+        arguments: "quilt one_color/recombined.png -o quilt_wrap.png --size SQUARE --block 48 --overlap 12 \
+                    --tileable wrap",
         title: "A quilt that repeats",
-        text: "Blocks are fitted across the edges too. Here it is four times, side by side.",
+        text: "Blocks are fitted across the edges too.",
         pictures: &[("quilt_wrap.png", "Quilted around the edges")],
         repeated: Some("quilt_wrap.png"),
     },

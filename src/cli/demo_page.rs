@@ -39,7 +39,7 @@ pub fn html(taken: &[Taken]) -> String {
 fn figures(step: &Step) -> String {
     let mut row = String::from("<div class=\"row\">\n");
     for (file, caption) in step.pictures {
-        let strip = ["strip", "paint"].iter().any(|folder| file.starts_with(folder));
+        let strip = ["strip", "paint", "one_color"].iter().any(|folder| file.starts_with(folder));
         let class = if strip { " class=\"strip\"" } else { "" };
         let caption = escape(caption);
         row.push_str(&format!(

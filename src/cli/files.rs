@@ -100,6 +100,8 @@ fn target_of(path: &Path) -> Result<PathBuf> {
         // A rename would put a file in the place of a device or a pipe.
         Ok(metadata) if !metadata.is_file() => Err(Failure::file(path, "is not a regular file")),
         Ok(_) if path.is_symlink() => fs::canonicalize(path).map_err(|error| Failure::file(path, error)),
+        // Above all a name that is too long.
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::file(path, error)),
         _ if path.file_name().is_none() => Err(Failure::file(path, "is not the name of a file")),
         _ => Ok(path.to_owned()),
     }

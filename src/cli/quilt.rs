@@ -22,7 +22,7 @@ pub struct QuiltArgs {
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
     /// Its size in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "512x512")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "512x512", allow_hyphen_values = true)]
     size: Size,
     #[command(flatten)]
     quilting: Quilting,

@@ -14,16 +14,16 @@ use std::path::Path;
 #[derive(Args, Debug, Clone)]
 pub struct Quilting {
     /// Side of the square blocks in pixels, 4 to 64
-    #[arg(long, value_name = "PX", default_value_t = 32)]
+    #[arg(long, value_name = "PX", default_value_t = 32, allow_negative_numbers = true)]
     pub block: u32,
     /// By how many pixels neighbouring blocks overlap, 1 to half a block
-    #[arg(long, value_name = "PX", default_value_t = 6)]
+    #[arg(long, value_name = "PX", default_value_t = 6, allow_negative_numbers = true)]
     pub overlap: u32,
     /// How much worse than the best a position may fit and still be chosen, as a fraction: 0 to 10
     #[arg(long, value_name = "FRACTION", default_value_t = 0.1, allow_negative_numbers = true)]
     pub tolerance: f32,
     /// Picks among the positions that fit; the same seed gives the same picture
-    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u32,
 }
 

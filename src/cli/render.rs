@@ -27,7 +27,7 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
     /// Its size in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024")]
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", allow_hyphen_values = true)]
     size: Size,
     /// Way of painting
     #[arg(long, value_enum, default_value_t)]

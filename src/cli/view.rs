@@ -21,7 +21,8 @@ pub struct ViewFlags {
     #[arg(long, value_name = "RADII", value_parser = finite, allow_hyphen_values = true)]
     distance: Option<f32>,
     /// Vertical field of view, 1 to 150 degrees
-    #[arg(long, value_name = "DEGREES", value_parser = finite, default_value_t = DEFAULT_FOV_Y_DEG)]
+    #[arg(long, value_name = "DEGREES", value_parser = finite, default_value_t = DEFAULT_FOV_Y_DEG,
+          allow_negative_numbers = true)]
     fov: f32,
     /// The camera's place, instead of yaw, pitch and distance
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true,

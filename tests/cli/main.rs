@@ -1,0 +1,11 @@
+//! The program `impasto`, run as a person runs it.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad;
+mod demo;
+mod good;
+mod odd;
+mod render;
+mod support;
