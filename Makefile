@@ -3,7 +3,7 @@
 CARGO ?= cargo
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test format lint docs units check-shaders shaders assets bench clean
+.PHONY: help demo test format lint docs units check-shaders shaders assets pictures bench clean
 
 help:
 	@echo "make demo     install what is missing, build, and paint the pictures that demo/index.html shows"
@@ -11,6 +11,7 @@ help:
 	@echo "make bench    measure the stages on this machine's GPU"
 	@echo "make shaders  compile glsl/ to the SPIR-V that is checked in (after changing a shader)"
 	@echo "make assets   make the models and paint strips in assets/ again"
+	@echo "make pictures make the pictures of README.md again"
 	@echo "make clean    delete what was built"
 
 demo:
@@ -44,6 +45,9 @@ shaders:
 
 assets:
 	$(CARGO) run --release --locked --example make_assets -- assets
+
+pictures:
+	@CARGO="$(CARGO)" scripts/pictures
 
 bench:
 	@scripts/setup demo
