@@ -199,42 +199,35 @@ fn take(step: &'static Step, size: Size, folder: &Path, session: &mut Session) -
 /// The temporary folder; it goes when it is dropped.
 struct Staging {
     path: PathBuf,
-    /// The output folder, where it was made for this.
-    made: Option<PathBuf>,
+    /// Folders that were made for it, the innermost first; they go as well unless the demo comes to its end.
+    made: Vec<PathBuf>,
 }
 
 impl Staging {
     fn new(output: &Path) -> Result<Self> {
-        // The topmost folder that is missing goes again if the demo fails.
-        let made = output.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.exists()).last();
-        let made = made.map(Path::to_owned);
-        let path = output.join(format!(".impasto-{}.tmp", process::id()));
-        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, error))?;
-        let absolute = fs::canonicalize(&path).map_err(|error| Failure::file(&path, error))?;
-        Ok(Staging { path: absolute, made })
+        let output = std::path::absolute(output).map_err(|error| Failure::file(output, error))?;
+        let made = output.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned).collect();
+        let staging = Staging { path: output.join(format!(".impasto-{}.tmp", process::id())), made };
+        fs::create_dir_all(&staging.path).map_err(|error| Failure::file(&staging.path, error))?;
+        Ok(staging)
     }
 
     /// Moves every file to its place and tells where.
     fn publish(mut self, output: &Path) -> Result<Vec<PathBuf>> {
         let mut written = Vec::new();
         move_files(&self.path, output, &mut written)?;
-        self.made = None;
+        self.made.clear();
         Ok(written)
     }
 }
 
 impl Drop for Staging {
     fn drop(&mut self) {
-        // Nothing can be done about a temporary folder that will not go. What was there before is not touched: only
-        // empty folders that were made here are removed.
+        // Nothing can be done about a temporary folder that will not go.
         let _ = fs::remove_dir_all(&self.path);
-        if let (Some(made), Some(mut folder)) = (&self.made, self.path.parent()) {
-            while fs::remove_dir(folder).is_ok() {
-                match folder.parent() {
-                    Some(parent) if !folder.ends_with(made) => folder = parent,
-                    _ => break,
-                }
-            }
+        for folder in &self.made {
+            // Fails, as it should, for a folder that somebody else has put something into.
+            let _ = fs::remove_dir(folder);
         }
     }
 }

@@ -33,6 +33,7 @@ impl From<Error> for Failure {
                     None => Failure(format!("{name} is {value}, but must be {allowed}")),
                 }
             }
+            Error::Memory { .. } => Failure(format!("{error}; a smaller picture needs less")),
             other => Failure(other.to_string()),
         }
     }

@@ -92,6 +92,7 @@ fn wrong_files_and_values_are_named() {
         (format!("{render} --distance 0"), vec!["--distance is 0"]),
         (format!("{render} --size 16384x1"), vec!["--size", "width over height"]),
         (format!("{render} --eye 0,0,0 --target 0,0,0"), vec!["eye"]),
+        (format!("{render} --size 16384x16384"), vec!["bytes of GPU memory", "a smaller picture needs less"]),
         (format!("{render} {}", "--light 0,0,1 ".repeat(9)), vec!["--light", "8"]),
     ];
     for (line, parts) in cases {
@@ -146,6 +147,7 @@ fn a_failure_leaves_the_old_output() {
     place.fails("quilt strip.png -o out.png --block 64 --overlap 8", 1, &["strip.png: 96x40"]);
     place.fails("tile missing.png -o out.png", 1, &["missing.png"]);
     place.fails("render scene.obj --paint missing.png -o out.png --dump d", 1, &["missing.png"]);
+    place.fails("demo -o new/deep --device Voodoo", 1, &["impasto render head.obj", "--device", "Voodoo"]);
     // One of several files cannot be written: the others must not be replaced either.
     fs::create_dir_all(place.path("d/blocks.json")).expect("made");
     place.fails(
