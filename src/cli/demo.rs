@@ -126,14 +126,15 @@ const SCRIPT: [Step; 10] = [
         repeated: None,
     },
     Step {
-        arguments: "quilt one_color/recombined.png -o quilt.png --size SQUARE --block 48 --overlap 12",
+        arguments: "quilt one_color/recombined.png -o quilt.png --size SQUARE --block 48 --overlap 12 --tolerance 0.4",
         title: "Image quilting",
         text: "More of the same: blocks of the sample, cut where the eye sees it least.",
         pictures: &[("one_color/recombined.png", "The sample"), ("quilt.png", "Quilted")],
         repeated: None,
     },
     Step {
-        arguments: "quilt one_color/recombined.png -o quilt_wrap.png --size SQUARE --block 48 --overlap 12 \
+        arguments:
+            "quilt one_color/recombined.png -o quilt_wrap.png --size SQUARE --block 48 --overlap 12 --tolerance 0.4 \
                     --tileable wrap",
         title: "A quilt that repeats",
         text: "Blocks are fitted across the edges too.",
