@@ -291,8 +291,8 @@ fn real_models_and_paint_give_the_oracles_frame() {
     for (model, paint) in
         [("skull_low.obj", "scan_graphite_400x144.png"), ("spot.obj", "scan_pencil_red_yellow_232x128.png")]
     {
-        let mesh = Mesh::load(&data.join("models").join(model), &MeshOptions::default()).expect("a model").mesh;
-        let sample = PaintSample::load(&data.join("paint").join(paint)).expect("a strip");
+        let mesh = Mesh::load(data.join("models").join(model), &MeshOptions::default()).expect("a model").mesh;
+        let sample = PaintSample::load(data.join("paint").join(paint)).expect("a strip");
         let trajectory = Trajectory::extract(&sample, &TrajectoryOptions::default()).expect("a trajectory");
         let texture = TextureDifference::extract(&sample, &trajectory);
         let paints = [Paint { texture: &texture, trajectory: &trajectory }];

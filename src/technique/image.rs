@@ -86,7 +86,7 @@ struct RecombinePush {
 }
 
 /// How to paint a frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ImageParams {
     /// How to quilt; `tileable` must be false.
     pub quilt: QuiltParams,
@@ -98,12 +98,6 @@ pub struct ImageParams {
     /// Spread the model's own range of shade (less half a percent of its pixels at each end) over the whole strip.
     /// Off is the thesis's plain mapping.
     pub levels: bool,
-}
-
-impl Default for ImageParams {
-    fn default() -> Self {
-        ImageParams { quilt: QuiltParams::default(), k: None, levels: false }
-    }
 }
 
 impl ImageParams {
