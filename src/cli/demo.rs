@@ -53,7 +53,7 @@ pub struct Taken {
 
 const SCRIPT: [Step; 10] = [
     Step {
-        arguments: "render head.obj --paint strip_green_yellow.png -o head_green_yellow.png --size SIZE --k 1.5 \
+        arguments: "render head.obj --paint strip_green_yellow.png -o head_green_yellow.png --size SIZE \
                     --levels --dump head_green_yellow",
         title: "Image-based texture synthesis",
         text: "The model's shade decides where in the strip a block of texture is taken from, and picks the colour at \
@@ -69,14 +69,14 @@ const SCRIPT: [Step; 10] = [
         repeated: None,
     },
     Step {
-        arguments: "render head.obj --paint strip_dark_red.png -o head_dark_red.png --size SIZE --k 1.5 --levels",
+        arguments: "render head.obj --paint strip_dark_red.png -o head_dark_red.png --size SIZE --levels",
         title: "Another paint",
         text: "Long strokes near the vertical.",
         pictures: &[("head_dark_red.png", "Painted"), ("strip_dark_red.png", "The paint strip")],
         repeated: None,
     },
     Step {
-        arguments: "render head.obj --paint strip_red_yellow.png -o head_red_yellow.png --size SIZE --k 1.5 --levels",
+        arguments: "render head.obj --paint strip_red_yellow.png -o head_red_yellow.png --size SIZE --levels",
         title: "A third paint",
         text: "Diagonal strokes, and a colour that runs from maroon through orange to yellow.",
         pictures: &[("head_red_yellow.png", "Painted"), ("strip_red_yellow.png", "The paint strip")],
@@ -85,7 +85,7 @@ const SCRIPT: [Step; 10] = [
     Step {
         arguments:
             "render head.obj --paint strip_dark_red.png --gradient 0:#0b1440,0.45:#1f7a8c,0.8:#e8c07d,1:#fff8e7 \
-                    -o head_recolored.png --size SIZE --k 1.5 --levels",
+                    -o head_recolored.png --size SIZE --levels",
         title: "The same strokes in other colours",
         text: "The texture is that of the dark red strip, the colours are a gradient of four stops.",
         pictures: &[("head_recolored.png", "Painted"), ("strip_dark_red.png", "The strip that gives the texture")],
@@ -93,7 +93,7 @@ const SCRIPT: [Step; 10] = [
     },
     Step {
         arguments: "render teapot_on_table.obj --paint strip_red_yellow.png --paint table=strip_green_yellow.png \
-                    -o teapot.png --size SIZE --k 1.5 --dump teapot",
+                    -o teapot.png --size SIZE --dump teapot",
         title: "A paint for every object",
         text: "The table is flat: it has one shade, and keeps its painted look all the same (compare figure 5.3).",
         pictures: &[

@@ -92,7 +92,8 @@ fn wrong_files_and_values_are_named() {
         (format!("{render} --distance 0"), vec!["--distance is 0"]),
         (format!("{render} --size 16384x1"), vec!["--size", "width over height"]),
         (format!("{render} --eye 0,0,0 --target 0,0,0"), vec!["eye"]),
-        (format!("{render} --size 16384x16384"), vec!["bytes of GPU memory", "a smaller picture needs less"]),
+        (format!("{render} --size 16384x16384"), vec!["number of blocks", "a larger --block"]),
+        (format!("{render} --size 16000x8000"), vec!["bytes of GPU memory", "a smaller picture needs less"]),
         (format!("{render} {}", "--light 0,0,1 ".repeat(9)), vec!["--light", "8"]),
     ];
     for (line, parts) in cases {
