@@ -160,6 +160,65 @@ fn pictures_equal_the_golden_ones() {
     }
 }
 
+/// Normals that cancel between the corners of a face must not become a shade that is no number.
+#[test]
+fn normals_that_cancel_face_no_light() {
+    let gpu = Validated::new();
+    let mut runner = gpu.runner();
+    let quad = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0 0 1\nvn 0 0 -1\nf 1//1 2//2 3//2 4//1\n";
+    let mesh = load(quad.as_bytes());
+    let camera = Camera::framing(&mesh, &Framing { yaw_deg: 0.0, pitch_deg: 0.0, ..Default::default() }, 1.0);
+    let (_, guide) = guides(&gpu, &mut runner, &mesh, &camera.expect("a camera"), (65, 65));
+    assert!(guide.shade.iter().all(|shade| (0.0..=1.0).contains(shade)), "a shade is out of range");
+    let middle = guide.shade[32 * 65 + 32];
+    assert!((middle - 0.5).abs() < 0.2, "the middle's shade is {middle}");
+}
+
+#[test]
+fn wrong_use_is_told() {
+    let gpu = Validated::new();
+    let mut runner = gpu.runner();
+    let mesh = load(BOXES.as_bytes());
+    let camera = Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera");
+    let (pass, _) = guides(&gpu, &mut runner, &mesh, &camera, (40, 40));
+    let (texture, trajectory) = strip("strip_dark_red.png");
+    let paint = Paint { texture: &texture, trajectory: &trajectory };
+    let stages = QuiltStages::new(&gpu.context).expect("stages");
+    let prepare = |paints: &[Paint<'_>], objects: &[u32], params: ImageParams| {
+        let mut uploads = Uploads::default();
+        ImageTechnique::new(&gpu.context, &mut uploads, &stages, &pass, paints, objects, &params)
+            .map(|_| ())
+            .map_err(|e| e.to_string())
+            .expect_err("must be refused")
+    };
+    let plain = ImageParams::default();
+    assert!(prepare(&[], &[], plain).contains("paints"));
+    assert!(prepare(&[paint], &[0], plain).contains("2 objects"), "an object without a paint");
+    assert!(prepare(&[paint], &[0, 1], plain).contains("below the 1 paints"));
+    assert!(prepare(&[paint], &[0, 0], ImageParams { k: Some(-1.0), ..plain }).contains("k is -1"));
+    let tileable = QuiltParams { tileable: true, ..Default::default() };
+    assert!(prepare(&[paint], &[0, 0], ImageParams { quilt: tileable, ..plain }).contains("tileable"));
+}
+
+/// A recording that fails half-way is run as far as it went, and the runner goes on.
+#[test]
+fn a_failed_recording_leaves_resources_as_they_remember() {
+    let gpu = Validated::new();
+    let mut runner = gpu.runner();
+    let mesh = load(BOXES.as_bytes());
+    let camera = Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera");
+    let mut uploads = Uploads::default();
+    let pass = GuidePass::new(&gpu.context, &mut uploads, &mesh, (40, 40)).expect("a guide pass");
+    let failed: impasto::Result<()> = runner.run(|recorder| {
+        uploads.record(recorder);
+        Err(impasto::Error::parameter("test", 1, "2"))
+    });
+    assert!(failed.is_err());
+    runner.run(|recorder| pass.record(recorder, &camera, &Lights::default())).expect("run");
+    let ids = words(&runner.read_image(pass.id()).expect("id"));
+    assert!(ids.iter().filter(|&&id| id == 1).count() > 100, "the uploaded mesh is there");
+}
+
 /// One frame from the GPU's own guides, by the plain oracles.
 struct OracleFrame {
     tone: Vec<f32>,

@@ -170,7 +170,6 @@ fn a_binary_that_asks_for_more_is_noticed() {
 /// How a binding of the table would have to look in the SPIR-V.
 fn expected(binding: u32, kind: BindingKind) -> Resource {
     let (class, access) = match kind {
-        BindingKind::Uniform => ("uniform buffer", Access::ComputeRead),
         BindingKind::Buffer(access) => ("storage buffer", access),
         BindingKind::Image(access) => ("storage image", access),
     };

@@ -15,7 +15,9 @@ layout(location = 0) out float shade;
 layout(location = 1) out uint id;
 
 void main() {
-    vec3 n = normalize(world_normal);
+    // Normals of a face may cancel between its corners; nothing faces the light there.
+    float squared = dot(world_normal, world_normal);
+    vec3 n = squared > 0.0 ? world_normal * inversesqrt(squared) : vec3(0.0);
     float facing = gl_FrontFacing ? 1.0 : -1.0;
     shade = clamp(0.5 + 0.5 * facing * dot(n, push.light.xyz), 0.0, 1.0);
     id = object_id;

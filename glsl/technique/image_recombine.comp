@@ -33,7 +33,7 @@ void main() {
         return;
     }
     float place = imageLoad(tone, p).r * float(colors.length() - 1);
-    int i = min(int(place), colors.length() - 1);
+    int i = clamp(int(place), 0, colors.length() - 1);
     vec3 color = mix(colors[i].rgb, colors[min(i + 1, colors.length() - 1)].rgb, place - float(i));
     uint from = imageLoad(source, p).r;
     vec3 texture_difference = imageLoad(difference, ivec2(from & 0xffffu, from >> 16)).rgb;

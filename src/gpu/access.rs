@@ -17,8 +17,6 @@ pub enum Access {
     TransferWrite,
     /// Filled or cleared as a whole: what was in it before may be thrown away.
     TransferDiscard,
-    /// Read by a compute shader as a uniform buffer.
-    ComputeUniform,
     /// Read by a compute shader as a storage buffer or a storage image.
     ComputeRead,
     /// Written by a compute shader (a storage buffer or storage image) without regard to what was there.
@@ -31,8 +29,6 @@ pub enum Access {
     ColorAttachment,
     /// Rendered to and tested against as a depth attachment that is cleared first.
     DepthAttachment,
-    /// Read by a fragment shader through a sampler.
-    FragmentSampled,
     /// Read by the host after a wait for the submission.
     HostRead,
 }
@@ -57,7 +53,6 @@ impl Access {
             Access::TransferRead => (S::TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL, false, false),
             Access::TransferWrite => (S::TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true, false),
             Access::TransferDiscard => (S::TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true, true),
-            Access::ComputeUniform => (S::COMPUTE_SHADER, A::UNIFORM_READ, L::GENERAL, false, false),
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_READ, L::GENERAL, false, false),
             Access::ComputeWrite => (S::COMPUTE_SHADER, A::SHADER_WRITE, L::GENERAL, true, false),
             Access::ComputeReadWrite => (S::COMPUTE_SHADER, A::SHADER_READ | A::SHADER_WRITE, L::GENERAL, true, false),
@@ -68,7 +63,6 @@ impl Access {
                 (S::COLOR_ATTACHMENT_OUTPUT, color_access, L::COLOR_ATTACHMENT_OPTIMAL, true, true)
             }
             Access::DepthAttachment => (depth, depth_access, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, true, true),
-            Access::FragmentSampled => (S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false, false),
             Access::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false, false),
         };
         AccessInfo { stages, access, layout, writes, discards }
@@ -98,7 +92,8 @@ pub struct ResourceState {
     write_stages: vk::PipelineStageFlags,
     write_access: vk::AccessFlags,
     read_stages: vk::PipelineStageFlags,
-    /// Stages and accesses that the last write is visible to already.
+    /// Stages and accesses that the last write is visible to already. Kept as two sets, which is exact as long as no
+    /// stage reads in two ways (see the table).
     visible_stages: vk::PipelineStageFlags,
     visible_access: vk::AccessFlags,
     layout: vk::ImageLayout,

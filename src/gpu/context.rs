@@ -115,8 +115,16 @@ impl Loader {
             .application_name(c"impasto")
             .engine_name(c"impasto")
             .api_version(super::API_VERSION);
+        // Labels and names cost nothing and are what a frame debugger shows.
+        // SAFETY: the entry is live.
+        let offered = unsafe { entry.enumerate_instance_extension_properties(None) }
+            .map_err(vulkan("vkEnumerateInstanceExtensionProperties"))?;
+        let labels = offered.iter().any(|e| e.extension_name_as_c_str() == Ok(ash::ext::debug_utils::NAME));
         let mut layers = Vec::new();
         let mut extensions = Vec::new();
+        if labels || validation_on {
+            extensions.push(ash::ext::debug_utils::NAME.as_ptr());
+        }
         let log = validation_on.then(|| Box::new(log.unwrap_or_else(|| Arc::new(|_, _| {}))));
         if validation_on {
             // SAFETY: the entry is live.
@@ -128,7 +136,6 @@ impl Loader {
                 ));
             }
             layers.push(validation::LAYER.as_ptr());
-            extensions.push(ash::ext::debug_utils::NAME.as_ptr());
             extensions.push(ash::ext::validation_features::NAME.as_ptr());
         }
         let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&validation::ENABLED);
@@ -163,7 +170,7 @@ impl Loader {
                 }
             }
         };
-        Ok(Loader { _entry: entry, instance, messenger, _log: log, debug_utils: validation_on })
+        Ok(Loader { _entry: entry, instance, messenger, _log: log, debug_utils: labels || validation_on })
     }
 
     /// The devices that can serve us.
@@ -231,6 +238,8 @@ pub(crate) struct Inner {
     graveyard: Mutex<Vec<(u64, Garbage)>>,
     frame: AtomicU64,
     next_id: AtomicU64,
+    /// Held by a runner from recording to the end of its wait: the queue may be used by one thread at a time.
+    pub running: Mutex<()>,
 }
 
 const DEFAULT_BUDGET: u64 = 4 << 30;
@@ -428,6 +437,7 @@ impl Inner {
             graveyard: Mutex::new(Vec::new()),
             frame: AtomicU64::new(1),
             next_id: AtomicU64::new(1),
+            running: Mutex::new(()),
         })
     }
 

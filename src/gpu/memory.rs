@@ -61,8 +61,6 @@ impl Garbage {
 pub enum BufferKind {
     /// Read and written by shaders; lies on the device.
     Storage,
-    /// Small constants that shaders read; lies on the device.
-    Uniform,
     /// Vertices and indices; lies on the device.
     Geometry,
     /// Written by the host, copied from by the GPU.
@@ -132,7 +130,6 @@ impl BufferInner {
         use vk::BufferUsageFlags as U;
         let (usage, location) = match kind {
             BufferKind::Storage => (U::STORAGE_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly),
-            BufferKind::Uniform => (U::UNIFORM_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Geometry => (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Upload => (U::TRANSFER_SRC, MemoryLocation::CpuToGpu),
             BufferKind::Readback => (U::TRANSFER_DST, MemoryLocation::GpuToCpu),
@@ -163,11 +160,10 @@ impl BufferInner {
             id: context.next_id(),
             state: Mutex::new(ResourceState::fresh()),
         };
-        let allocation = allocate(context, name, requirements, location, true)?;
+        let allocation = buffer.allocation.insert(allocate(context, name, requirements, location, true)?);
         // SAFETY: the memory was allocated for this buffer's requirements and is bound once.
         unsafe { device.bind_buffer_memory(handle, allocation.memory(), allocation.offset()) }
             .map_err(vulkan("vkBindBufferMemory"))?;
-        buffer.allocation = Some(allocation);
         context.name(handle, name);
         Ok(buffer)
     }
@@ -261,11 +257,11 @@ impl Image {
             id: context.next_id(),
             state: Mutex::new(ResourceState::fresh()),
         };
-        let allocation = allocate(context, name, requirements, MemoryLocation::GpuOnly, false)?;
+        let memory = allocate(context, name, requirements, MemoryLocation::GpuOnly, false)?;
+        let allocation = image.allocation.insert(memory);
         // SAFETY: the memory was allocated for this image's requirements and is bound once.
         unsafe { device.bind_image_memory(handle, allocation.memory(), allocation.offset()) }
             .map_err(vulkan("vkBindImageMemory"))?;
-        image.allocation = Some(allocation);
         let view = vk::ImageViewCreateInfo::default()
             .image(handle)
             .view_type(view_kind)
@@ -299,6 +295,24 @@ impl Image {
             id: context.next_id(),
             state: Mutex::new(state),
         }))
+    }
+
+    /// Tells what somebody else did to the image since it was last recorded here: a host that wrote to it, moved it to
+    /// another layout, or threw away a command buffer that it was recorded in.
+    ///
+    /// # Safety
+    /// `state` must be what the image is in when the commands recorded next run.
+    pub unsafe fn set_state(&self, state: ResourceState) {
+        *self.state() = state;
+    }
+
+    /// Bytes of a texel, or 0 for formats that are neither uploaded nor read back.
+    pub(crate) fn texel_bytes(&self) -> u64 {
+        match self.0.desc.format {
+            vk::Format::R8G8B8A8_UNORM | vk::Format::R32_UINT | vk::Format::R32_SFLOAT | vk::Format::D32_SFLOAT => 4,
+            vk::Format::R32G32B32A32_SFLOAT => 16,
+            _ => 0,
+        }
     }
 
     /// Width, height and depth in texels.

@@ -15,8 +15,6 @@ use std::path::{Path, PathBuf};
 /// What a shader's binding is, and how the shader touches it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingKind {
-    /// A uniform buffer.
-    Uniform,
     /// A storage buffer.
     Buffer(Access),
     /// A storage image.
@@ -26,14 +24,12 @@ pub enum BindingKind {
 impl BindingKind {
     pub(crate) fn access(self) -> Access {
         match self {
-            BindingKind::Uniform => Access::ComputeUniform,
             BindingKind::Buffer(access) | BindingKind::Image(access) => access,
         }
     }
 
     pub(crate) fn descriptor_type(self) -> vk::DescriptorType {
         match self {
-            BindingKind::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
             BindingKind::Buffer(_) => vk::DescriptorType::STORAGE_BUFFER,
             BindingKind::Image(_) => vk::DescriptorType::STORAGE_IMAGE,
         }
@@ -185,8 +181,7 @@ impl BindingSet {
             && bound.iter().zip(shader.bindings).all(|(bound, kind)| {
                 matches!(
                     (bound, kind),
-                    (Bound::Image(_), BindingKind::Image(_))
-                        | (Bound::Buffer(_), BindingKind::Buffer(_) | BindingKind::Uniform)
+                    (Bound::Image(_), BindingKind::Image(_)) | (Bound::Buffer(_), BindingKind::Buffer(_))
                 )
             });
         if !fits {

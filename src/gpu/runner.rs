@@ -1,6 +1,6 @@
 //! The headless host: records, submits, waits, reads back. Uses the library as any host would.
 
-use super::context::{vulkan, Context};
+use super::context::{lock, vulkan, Context};
 use super::memory::{Buffer, BufferKind, Image};
 use super::recorder::Recorder;
 use super::timing::{PassTime, PassTimer};
@@ -19,7 +19,8 @@ pub struct Runner {
     fence: vk::Fence,
     timer: PassTimer,
     times: Vec<PassTime>,
-    frame: u64,
+    /// A submission went wrong and may still be under way.
+    broken: bool,
 }
 
 impl Runner {
@@ -46,7 +47,7 @@ impl Runner {
                 fence: vk::Fence::null(),
                 timer,
                 times: Vec::new(),
-                frame: context.frame(),
+                broken: false,
             };
             let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
             let buffers = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?;
@@ -59,10 +60,18 @@ impl Runner {
 
     /// Records with `record`, submits, and waits until the GPU is done.
     ///
+    /// What was recorded before `record` failed is run all the same, since every resource remembers it.
+    ///
     /// # Errors
-    /// Those of `record` (nothing is submitted then), and [`Error::Vulkan`] when a call fails or the work is stuck.
+    /// Those of `record`; [`Error::Vulkan`] when a call fails or the work is stuck, after which the runner is of no more
+    /// use and answers [`Error::Device`].
     pub fn run<T>(&mut self, record: impl FnOnce(&mut Recorder<'_>) -> Result<T>) -> Result<T> {
-        let device = self.context.device();
+        if self.broken {
+            return Err(Error::Device("an earlier submission failed or did not end".to_owned()));
+        }
+        let context = self.context.clone();
+        let _running = lock(&context.inner().running);
+        let device = context.device();
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the last submission was waited for, so the command buffer is free; it is ours alone.
         let value = unsafe {
@@ -70,16 +79,19 @@ impl Runner {
             let mut recorder = Recorder::new(&self.context, self.commands, Some(&mut self.timer));
             let value = record(&mut recorder);
             device.end_command_buffer(self.commands).map_err(vulkan("vkEndCommandBuffer"))?;
-            value?
+            value
         };
         let commands = [self.commands];
         let submit = [vk::SubmitInfo::default().command_buffers(&commands)];
-        // SAFETY: queue, command buffer and fence are ours and idle.
+        // Until all has gone well command buffer and fence may be in use.
+        self.broken = true;
+        // SAFETY: queue, command buffer and fence are ours and idle; `running` keeps other threads off the queue.
         unsafe {
             device.queue_submit(self.context.inner().queue, &submit, self.fence).map_err(vulkan("vkQueueSubmit"))?;
             device.wait_for_fences(&[self.fence], true, TIMEOUT_NS).map_err(vulkan("vkWaitForFences"))?;
             device.reset_fences(&[self.fence]).map_err(vulkan("vkResetFences"))?;
         }
+        self.broken = false;
         for time in self.timer.read()? {
             match self.times.iter_mut().find(|t| t.name == time.name) {
                 Some(sum) => {
@@ -89,9 +101,9 @@ impl Runner {
                 None => self.times.push(time),
             }
         }
-        self.frame += 1;
-        self.context.advance(self.frame, self.frame - 1);
-        Ok(value)
+        let done = context.frame();
+        context.advance(done + 1, done);
+        value
     }
 
     /// The GPU time of all passes run so far, by name; forgets them.
@@ -101,10 +113,10 @@ impl Runner {
 
     /// Reads an image's texels, tightly packed.
     pub fn read_image(&mut self, image: &Image) -> Result<Vec<u8>> {
-        let texel = match image.format() {
-            vk::Format::R8G8B8A8_UNORM | vk::Format::R32_UINT | vk::Format::R32_SFLOAT | vk::Format::D32_SFLOAT => 4,
-            other => return Err(Error::Device(format!("images of format {other:?} are not read back"))),
-        };
+        let texel = image.texel_bytes();
+        if texel == 0 {
+            return Err(Error::Device(format!("images of format {:?} are not read back", image.format())));
+        }
         let to = Buffer::new(&self.context, "readback", BufferKind::Readback, image.texels() * texel)?;
         self.run(|recorder| {
             recorder.download_image("readback", image, &to);
@@ -130,6 +142,7 @@ impl Drop for Runner {
         // SAFETY: after the wait nothing of ours is in flight; the handles are ours and freed once. A wait that fails
         // means that the device is lost, and then nothing runs either.
         unsafe {
+            let _running = lock(&self.context.inner().running);
             let _ = device.device_wait_idle();
             device.destroy_fence(self.fence, None);
             device.destroy_command_pool(self.pool, None);

@@ -4,7 +4,7 @@ use super::context::Context;
 use super::memory::{Buffer, Image};
 use super::pipeline::Bound;
 use super::recorder::Recorder;
-use crate::Result;
+use crate::{Error, Result};
 
 /// Copies that wait to be recorded.
 #[derive(Default)]
@@ -16,8 +16,11 @@ impl Uploads {
     /// Stages `data` for the start of `to`.
     ///
     /// # Errors
-    /// Those of [`Buffer::upload`].
+    /// [`Error::Parameter`] when there is more of it than the buffer holds, and those of [`Buffer::upload`].
     pub fn buffer(&mut self, context: &Context, to: &Buffer, data: &[u8]) -> Result<()> {
+        if data.len() as u64 > to.bytes() {
+            return Err(Error::parameter("uploaded bytes", data.len(), format!("at most {}", to.bytes())));
+        }
         self.pending.push((Buffer::upload(context, "staging", data)?, Bound::from(to)));
         Ok(())
     }
@@ -25,8 +28,12 @@ impl Uploads {
     /// Stages the tightly packed texels of the whole of `to`.
     ///
     /// # Errors
-    /// Those of [`Buffer::upload`].
+    /// [`Error::Parameter`] when that is not what the data is, and those of [`Buffer::upload`].
     pub fn image(&mut self, context: &Context, to: &Image, data: &[u8]) -> Result<()> {
+        let bytes = to.texels() * to.texel_bytes();
+        if data.len() as u64 != bytes {
+            return Err(Error::parameter("uploaded bytes", data.len(), format!("{bytes}, the image's texels")));
+        }
         self.pending.push((Buffer::upload(context, "staging", data)?, Bound::from(to)));
         Ok(())
     }

@@ -38,6 +38,7 @@ pub struct GuidePass {
     vertices: Buffer,
     indices: Buffer,
     index_count: u32,
+    object_count: usize,
     shade: Image,
     id: Image,
     depth: Image,
@@ -93,7 +94,8 @@ impl GuidePass {
         let vertices = geometry("mesh vertices", bytemuck::cast_slice(&data), uploads)?;
         let indices = geometry("mesh indices", bytemuck::cast_slice(mesh.indices()), uploads)?;
         let index_count = mesh.indices().len() as u32;
-        Ok(GuidePass { pass, target, pipeline, vertices, indices, index_count, shade, id, depth })
+        let object_count = mesh.objects().len();
+        Ok(GuidePass { pass, target, pipeline, vertices, indices, index_count, object_count, shade, id, depth })
     }
 
     /// Records the pass.
@@ -110,6 +112,11 @@ impl GuidePass {
         let geometry = Geometry { vertices: &self.vertices, indices: &self.indices, index_count: self.index_count };
         recorder.draw(&self.pass, &self.target, &self.pipeline, &geometry, &push);
         Ok(())
+    }
+
+    /// Objects of the mesh; IDs go from 1 to this.
+    pub fn object_count(&self) -> usize {
+        self.object_count
     }
 
     /// Shade, R32_SFLOAT in [0, 1]; 0 where nothing is.

@@ -24,7 +24,7 @@ pub struct QuiltParams {
     /// How much worse than the best position a position may fit and still be chosen, as a fraction of the least overlap
     /// error: 0 to 10, in steps of 1/10000. Efros and Freeman use 0.1.
     pub tolerance: f32,
-    /// Picks among the positions that fit; the same seed gives the same bytes.
+    /// Picks among the positions that fit; the same seed gives the same bytes. The GPU takes it when recording.
     pub seed: u32,
     /// Whether the output repeats without a seam, its left edge joining its right one and its top its bottom.
     pub tileable: bool,

@@ -148,7 +148,7 @@ pub struct ImagePart(Part);
 enum Part {
     Guide,
     Quilt(usize, Range<usize>),
-    Recombine,
+    Recombine(usize),
 }
 
 struct Layer {
@@ -197,6 +197,10 @@ impl ImageTechnique {
         }
         if let Some(stray) = paint_of_object.iter().find(|&&paint| paint as usize >= paints.len()) {
             return Err(Error::parameter("paint of object", stray, format!("below the {} paints", paints.len())));
+        }
+        if paint_of_object.len() < guides.object_count() {
+            let allowed = format!("one for each of the {} objects", guides.object_count());
+            return Err(Error::parameter("paints of objects", paint_of_object.len(), allowed));
         }
         let [width, height, _] = guides.shade().size_px();
         let image = |name, format| Image::new(context, name, &ImageDesc::storage_2d(width, height, format));
@@ -270,11 +274,11 @@ impl ImageTechnique {
         for (i, layer) in self.layers.iter().enumerate() {
             parts.extend(layer.quilt.parts(comparisons).into_iter().map(|part| ImagePart(Part::Quilt(i, part))));
         }
-        parts.push(ImagePart(Part::Recombine));
+        parts.extend((0..self.layers.len()).map(|i| ImagePart(Part::Recombine(i))));
         parts
     }
 
-    /// Records a whole frame; the guides must have been recorded before. `frame` enters the random choices.
+    /// Records a whole frame; the guides must have been recorded before. `seed` and `frame` enter the random choices.
     pub fn record(&self, recorder: &mut Recorder<'_>, seed: u32, frame: u32) {
         for part in self.parts(u64::MAX) {
             self.record_part(recorder, &part, seed, frame);
@@ -300,17 +304,23 @@ impl ImageTechnique {
                     layer.quilt.record_part(recorder, steps.clone(), seed, frame);
                 }
             }
-            Part::Recombine => self.record_recombine(recorder, Show::Painted),
+            Part::Recombine(layer) => self.recombine(recorder, *layer, Show::Painted),
         }
     }
 
     /// Records the frame's drawing alone: enough after [`ImageTechnique::set_trajectory`], and to see colour or texture
     /// by itself.
     pub fn record_recombine(&self, recorder: &mut Recorder<'_>, show: Show) {
+        for layer in 0..self.layers.len() {
+            self.recombine(recorder, layer, show);
+        }
+    }
+
+    fn recombine(&self, recorder: &mut Recorder<'_>, layer: usize, show: Show) {
         let [width, height, _] = self.tone.size_px();
-        for (paint, layer) in (1..).zip(&self.layers) {
-            let push = RecombinePush { paint, show: show as u32 };
-            let groups = [width.div_ceil(16), height.div_ceil(8), 1];
+        let push = RecombinePush { paint: layer as u32 + 1, show: show as u32 };
+        let groups = [width.div_ceil(16), height.div_ceil(8), 1];
+        if let Some(layer) = self.layers.get(layer) {
             recorder.dispatch(&self.recombine_stage, &layer.recombine_set, &push, groups);
         }
     }
