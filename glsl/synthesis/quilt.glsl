@@ -23,8 +23,6 @@ struct Block {
     // Columns of the sample that may become the block's left edge, inclusive.
     uint sx0, sx1;
     uint state;
-    // How many positions were admissible.
-    uint admissible;
     // The position chosen, its overlap error, and the least error there was.
     uint sx, sy, error, min_error;
 };

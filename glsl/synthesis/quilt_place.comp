@@ -65,8 +65,8 @@ uint admissible_of(uvec4 e, uint limit) {
            uint(e.z <= limit && e.z != 0xffffffffu) + uint(e.w <= limit && e.w != 0xffffffffu);
 }
 
-// Chooses among the block's admissible positions; leaves position, position_error; returns (least, admissible).
-uvec2 choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
+// Chooses among the block's admissible positions; leaves position, position_error; returns the least error.
+uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
     uint lane = gl_LocalInvocationID.x;
     uint first = slot * push.groups_per_block;
     uint least = 0xffffffffu;
@@ -158,7 +158,7 @@ uvec2 choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
         }
     }
     barrier();
-    return uvec2(least, admissible);
+    return least;
 }
 
 uint canvas_at(Block block, uint dx, uint dy) {
@@ -241,7 +241,7 @@ void main() {
     }
     uint tiles_x = (block.sx1 - block.sx0 + TILE) / TILE;
     uint tiles = tiles_x * (push.sample_height - push.block_px + 1);
-    uvec2 chosen = choose(slot, index, block.sx0, tiles_x, (tiles + GROUP - 1) / GROUP);
+    uint least = choose(slot, index, block.sx0, tiles_x, (tiles + GROUP - 1) / GROUP);
 
     uint row = index / push.columns;
     uint col = index % push.columns;
@@ -281,10 +281,9 @@ void main() {
     }
     if (lane == 0) {
         blocks[index].state = STATE_PLACED;
-        blocks[index].admissible = chosen.y;
         blocks[index].sx = position.x;
         blocks[index].sy = position.y;
         blocks[index].error = position_error;
-        blocks[index].min_error = chosen.x;
+        blocks[index].min_error = least;
     }
 }

@@ -1,7 +1,7 @@
 //! Every Vulkan call of the crate, and every `unsafe` (the C boundary aside). Knows nothing of paint.
 //!
 //! A [`Context`] owns a device or borrows a host's. On it stand [`Buffer`]s and [`Image`]s (freed only when the GPU
-//! is done with them), pipelines with their [`BindingSet`]s, and explicit render passes. A [`Recorder`] writes *passes*
+//! is done with them), pipelines with their binding sets, and explicit render passes. A [`Recorder`] writes *passes*
 //! into a command buffer that it is given: each pass declares what it reads and writes ([`Access`]), and label, timer
 //! and barriers are derived from that in one place. Nothing here submits but the headless [`Runner`], which is just
 //! one more host.
@@ -22,10 +22,12 @@ pub use access::{Access, Barrier, ResourceState};
 pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};
-pub use pipeline::{BindingKind, BindingSet, Bound, ComputePipeline, PipelineCacheFile, Shader};
-pub use recorder::{Recorder, Use};
-pub(crate) use render_pass::Geometry;
-pub use render_pass::{Attachment, Framebuffer, RasterDesc, RasterPipeline, RenderPass, VertexAttribute};
+pub use pipeline::{BindingKind, PipelineCacheFile, Shader};
+pub(crate) use pipeline::{BindingSet, ComputePipeline};
+pub use recorder::Recorder;
+pub(crate) use render_pass::{
+    Attachment, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, VertexAttribute,
+};
 pub use runner::Runner;
 pub use timing::{PassTime, PassTimer};
 pub use upload::Uploads;

@@ -58,7 +58,7 @@ pub(crate) fn shader_module(context: &Context, name: &str, spirv: &[u8]) -> Resu
 }
 
 /// A compute shader ready to be dispatched. Clones are not offered: keep it where its stage lives.
-pub struct ComputePipeline {
+pub(crate) struct ComputePipeline {
     context: Context,
     pub(crate) shader: Shader,
     pub(crate) handle: vk::Pipeline,
@@ -143,7 +143,7 @@ impl Drop for ComputePipeline {
 
 /// A resource given to a binding.
 #[derive(Clone)]
-pub enum Bound {
+pub(crate) enum Bound {
     /// A buffer, whole.
     Buffer(Buffer),
     /// An image, whole.
@@ -163,7 +163,7 @@ impl From<&Image> for Bound {
 }
 
 /// The resources of one dispatch, in the order of the shader's bindings. Keeps them alive.
-pub struct BindingSet {
+pub(crate) struct BindingSet {
     context: Context,
     pool: vk::DescriptorPool,
     pub(crate) set: vk::DescriptorSet,

@@ -15,7 +15,7 @@ use ash::vk;
 
 /// One resource of a pass and how the pass touches it.
 #[derive(Clone, Copy)]
-pub enum Use<'a> {
+pub(crate) enum Use<'a> {
     /// A buffer.
     Buffer(&'a Buffer, Access),
     /// An image.

@@ -13,7 +13,7 @@ use ash::vk;
 
 /// One attachment of a render pass.
 #[derive(Debug, Clone, Copy)]
-pub struct Attachment {
+pub(crate) struct Attachment {
     /// Its format.
     pub format: vk::Format,
     /// True for the depth attachment, which must be the last one.
@@ -35,7 +35,7 @@ impl Attachment {
 }
 
 /// A render pass of one subpass that clears and stores all of its attachments.
-pub struct RenderPass {
+pub(crate) struct RenderPass {
     context: Context,
     handle: vk::RenderPass,
     attachments: Vec<Attachment>,
@@ -93,7 +93,7 @@ impl Drop for RenderPass {
 }
 
 /// The images that a render pass draws to. Keeps them alive.
-pub struct Framebuffer {
+pub(crate) struct Framebuffer {
     context: Context,
     handle: vk::Framebuffer,
     images: Vec<Image>,
@@ -134,7 +134,7 @@ impl Drop for Framebuffer {
 
 /// One value of a vertex.
 #[derive(Debug, Clone, Copy)]
-pub struct VertexAttribute {
+pub(crate) struct VertexAttribute {
     /// Its format; location is its place in the list.
     pub format: vk::Format,
     /// Its place in the vertex, bytes.
@@ -142,7 +142,7 @@ pub struct VertexAttribute {
 }
 
 /// How to make a [`RasterPipeline`]: triangles, no culling, depth test LESS where there is a depth attachment.
-pub struct RasterDesc<'a> {
+pub(crate) struct RasterDesc<'a> {
     /// The pass's name.
     pub name: &'static str,
     /// SPIR-V of the vertex shader.
@@ -158,7 +158,7 @@ pub struct RasterDesc<'a> {
 }
 
 /// A vertex and a fragment shader that share push constants, ready to draw indexed triangles.
-pub struct RasterPipeline {
+pub(crate) struct RasterPipeline {
     context: Context,
     name: &'static str,
     handle: vk::Pipeline,

@@ -82,7 +82,6 @@ pub(crate) struct BlockData {
     sx0: u32,
     sx1: u32,
     state: u32,
-    admissible: u32,
     sx: u32,
     sy: u32,
     error: u32,
@@ -149,7 +148,7 @@ pub fn shared_structs() -> Vec<SharedStruct> {
     }
     vec![
         shared!("synthesis/quilt.glsl", "struct Block", BlockData,
-            x y width height sx0 sx1 state admissible sx sy error min_error),
+            x y width height sx0 sx1 state sx sy error min_error),
         shared!("synthesis/quilt_guide.comp", "uniform Push", GuidePush,
             output sample_width block_px guided paint window_px),
         shared!("synthesis/quilt_search.comp", "uniform Push", SearchPush,
