@@ -7,6 +7,9 @@ use serde_json::Value;
 
 /// Lists the devices; the one that is taken by default is marked.
 pub fn run(session: &mut Session) -> Result {
+    if session.validates() {
+        return Err(Failure::new("--validate: this command opens no device, so that there is nothing to validate"));
+    }
     let devices = list_devices()?;
     let best = DeviceChoice::Best.pick(&devices).map(|device| device.index);
     let best = best.map_err(|_| Failure::new("there is no Vulkan 1.1 device that draws and computes"))?;

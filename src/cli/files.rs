@@ -77,20 +77,36 @@ pub fn check_folder(path: &Path) -> Result {
     Err(Failure::file(path, "there is no such folder"))
 }
 
-/// Names of the intermediates that `--dump` writes; those of further paints have a number after an underscore.
-const DUMPED: [&str; 6] = ["shade", "id", "color", "texture", "trajectory", "blocks"];
+/// Names of the intermediates that `--dump` writes once.
+const DUMPED: [&str; 4] = ["shade.png", "id.png", "color.png", "texture.png"];
+/// Names of those that it writes for every paint; from the second paint on, `_2` and so on follows the stem.
+const DUMPED_PER_PAINT: [(&str, &str); 3] = [("trajectory", ".png"), ("trajectory", ".csv"), ("blocks", ".json")];
 
 /// Finds out whether an output would get the name of an intermediate.
 pub fn check_apart(output: &Path, dump: &Path) -> Result {
-    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let name = output.file_name().unwrap_or_default().to_string_lossy();
     let same_folder = match (fs::canonicalize(folder_of(output)), fs::canonicalize(dump)) {
         (Ok(a), Ok(b)) => a == b,
         _ => false,
     };
-    if same_folder && DUMPED.contains(&stem.split('_').next().unwrap_or_default()) {
+    if same_folder && is_dumped(&name) {
         return Err(Failure::file(output, "--dump writes a file of this name; choose another name or folder"));
     }
     Ok(())
+}
+
+/// Whether `--dump` may write a file of this name; how many paints there are is not known yet.
+fn is_dumped(name: &str) -> bool {
+    DUMPED.contains(&name)
+        || DUMPED_PER_PAINT.iter().any(|(stem, extension)| {
+            let suffix = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(extension));
+            suffix.is_some_and(|suffix| suffix.is_empty() || suffix.strip_prefix('_').is_some_and(is_further_number))
+        })
+}
+
+/// Whether this is how a number from 2 on is written.
+fn is_further_number(text: &str) -> bool {
+    text.parse::<u32>().is_ok_and(|number| number >= 2 && number.to_string() == text)
 }
 
 /// The file that a rename has to replace: where a link leads, or the path itself.
@@ -151,6 +167,26 @@ fn temporary(target: &Path) -> io::Result<(File, Temporary)> {
             Ok(file) => return Ok((file, Temporary(Some(path)))),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_names_that_a_dump_may_write_are_refused() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let dumped = ["shade.png", "id.png", "color.png", "texture.png", "trajectory.png", "trajectory_2.csv"];
+        for name in dumped.into_iter().chain(["trajectory.csv", "trajectory_12.png", "blocks.json", "blocks_3.json"]) {
+            let failure = check_apart(&dir.path().join(name), dir.path()).expect_err(name);
+            assert!(failure.0.contains("--dump"), "{}", failure.0);
+            assert!(check_apart(&dir.path().join("..").join(name), dir.path()).is_ok(), "{name} in another folder");
+        }
+        let free = ["id_card.png", "id_2.png", "shade.bmp", "texture.jpg", "blocks.png", "trajectory_.png"];
+        for name in free.into_iter().chain(["trajectory_1.png", "trajectory_02.png", "trajectory_2b.png", "out.png"]) {
+            assert!(check_apart(&dir.path().join(name), dir.path()).is_ok(), "{name}");
         }
     }
 }

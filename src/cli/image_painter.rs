@@ -70,7 +70,7 @@ impl ImagePainter {
 
     /// The shade in use, 0..1 as 0..255; the background is transparent.
     pub fn shade(&self, device: &mut Device) -> Result<GrayAlphaImage> {
-        let shade: Vec<f32> = bytemuck_f32(&device.runner.read_image(self.technique.shade())?);
+        let shade = floats(&device.runner.read_image(self.technique.shade())?);
         let id = self.ids(device)?;
         let mut picture = GrayAlphaImage::new(self.size.width, self.size.height);
         for ((pixel, shade), id) in picture.pixels_mut().zip(shade).zip(id) {
@@ -110,7 +110,7 @@ impl ImagePainter {
     }
 }
 
-fn bytemuck_f32(bytes: &[u8]) -> Vec<f32> {
+fn floats(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 

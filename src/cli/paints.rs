@@ -26,7 +26,7 @@ pub struct PaintFlags {
     strip: StripFlags,
 }
 
-/// The values of a flag, in the order of the command line, and which of them each object takes.
+/// The values of a flag, each once, in the order of the command line, and which of them each object takes.
 struct Assigned<'a> {
     values: Vec<&'a str>,
     of_object: Vec<Option<usize>>,
@@ -104,7 +104,7 @@ impl Paints {
 
 /// Reads `VALUE` and `OBJECT=VALUE`. What is the name of a file is a value, whatever it contains.
 fn assign<'a>(flag: &str, texts: &'a [String], mesh: &Mesh) -> Result<Assigned<'a>> {
-    let mut values = Vec::with_capacity(texts.len());
+    let mut values: Vec<&str> = Vec::with_capacity(texts.len());
     let mut default = None;
     let mut of_object = vec![None; mesh.objects().len()];
     for text in texts {
@@ -116,12 +116,16 @@ fn assign<'a>(flag: &str, texts: &'a [String], mesh: &Mesh) -> Result<Assigned<'
             }
             _ => (&mut default, text.as_str()),
         };
-        if let Some(first) = place.replace(values.len()) {
-            let first: &str = values[first];
+        // A value that is given twice is one value: what it names is loaded, and synthesised with, once.
+        let number = values.iter().position(|known| *known == value).unwrap_or_else(|| {
+            values.push(value);
+            values.len() - 1
+        });
+        if let Some(first) = place.replace(number) {
+            let first = values[first];
             let hint = "OBJECT= gives a value to one object";
             return Err(Failure::new(format!("{flag}: both {first} and {value} for the same objects; {hint}")));
         }
-        values.push(value);
     }
     for place in &mut of_object {
         *place = place.or(default);

@@ -25,7 +25,8 @@ pub struct Common {
     /// Turn on the Vulkan validation layers; any message of theirs makes the exit status 1
     #[arg(long, global = true, help_heading = "Common options")]
     pub validate: bool,
-    /// Print one JSON document: device, parameters, times of all passes and phases, files, warnings
+    /// Print one JSON document: device, parameters, GPU time of each pass (of the first 4096 in a submission), wall time
+    /// of each phase, files, warnings
     #[arg(long, global = true, help_heading = "Common options")]
     pub json: bool,
     /// Print nothing but errors
@@ -127,6 +128,11 @@ impl Session {
             Some((_, sum)) => *sum += time,
             None => self.phases.push((name, time)),
         }
+    }
+
+    /// Whether the validation layers were asked for.
+    pub fn validates(&self) -> bool {
+        self.common.validate
     }
 
     /// Takes note of the GPU times of all passes run so far.

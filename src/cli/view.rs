@@ -1,6 +1,6 @@
 //! Camera and lights on the command line.
 
-use super::failure::{Failure, Result};
+use super::failure::Result;
 use super::report::number;
 use super::session::Session;
 use super::values::{finite, light, vector};
@@ -69,7 +69,7 @@ impl ViewFlags {
         if self.lights.is_empty() {
             return Ok(Lights::default());
         }
-        Lights::new(self.lights.clone()).map_err(|error| Failure::new(format!("--light: {}", Failure::from(error).0)))
+        Ok(Lights::new(self.lights.clone())?)
     }
 
     /// Adds camera and lights to the report.

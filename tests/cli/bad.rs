@@ -50,6 +50,8 @@ fn wrong_files_and_values_are_named() {
     strip(40, 12, [0; 3], [255; 3]).save(place.path("low.png")).expect("saved");
     let quilt = "quilt strip.png -o out.png --size 64x64";
     let render = "render scene.obj --paint strip.png -o out.png --block 16 --overlap 4 --k 1";
+    // A strip of the default block's size; that many blocks are allowed, but the guides alone fill the memory budget.
+    let huge = "render scene.obj --paint strip.png -o out.png --block 32 --overlap 6 --k 1 --size 16384x16384";
     let nan = "render scene.obj --paint strip.png -o out.png --block 16 --overlap 4 --k NaN".to_owned();
     let cases: Vec<(String, Vec<&str>)> = vec![
         ("quilt missing.png -o out.png".into(), vec!["missing.png", "No such file"]),
@@ -93,8 +95,8 @@ fn wrong_files_and_values_are_named() {
         (format!("{render} --size 16384x1"), vec!["--size", "width over height"]),
         (format!("{render} --eye 0,0,0 --target 0,0,0"), vec!["eye"]),
         (format!("{render} --size 16384x16384"), vec!["number of blocks", "a larger --block"]),
-        (format!("{render} --size 16000x8000"), vec!["bytes of GPU memory", "a smaller picture needs less"]),
-        (format!("{render} {}", "--light 0,0,1 ".repeat(9)), vec!["--light", "8"]),
+        (huge.into(), vec!["bytes of GPU memory", "a smaller picture needs less"]),
+        (format!("{render} {}", "--light 0,0,1 ".repeat(9)), vec!["error: --light: the number of lights is 9", "8"]),
     ];
     for (line, parts) in cases {
         place.fails(&line, 1, &parts);
@@ -130,6 +132,10 @@ fn outputs_that_cannot_be_written_are_refused_before_any_work() {
     place.fails("render no.obj --paint no.png -o out.png --dump file/d", 1, &["file/d"]);
     fs::create_dir(place.path("d")).expect("made");
     place.fails("quilt no.png -o d/texture.png --dump d", 1, &["d/texture.png", "--dump"]);
+    place.fails("render no.obj --paint no.png -o d/trajectory_2.png --dump d", 1, &["d/trajectory_2.png", "--dump"]);
+    // These come past that check, to the inputs that are missing.
+    place.fails("render no.obj --paint no.png -o d/id_card.png --dump d", 1, &["no.obj"]);
+    place.fails("quilt no.png -o d/texture.bmp --dump d", 1, &["no.png"]);
     place.fails_words(&["tile", "no.png", "-o", ""], 2, &["--output"]);
     fs::create_dir(place.path("sealed")).expect("made");
     let sealed = std::os::unix::fs::PermissionsExt::from_mode(0o500);
@@ -139,6 +145,11 @@ fn outputs_that_cannot_be_written_are_refused_before_any_work() {
         place.fails("quilt no.png -o sealed/out.png", 1, &["sealed/out.png", "ermission denied"]);
         place.fails("paint no.png -o sealed/out", 1, &["sealed", "ermission denied"]);
     }
+}
+
+#[test]
+fn devices_cannot_be_validated() {
+    Place::new().fails("devices --validate", 1, &["--validate", "opens no device"]);
 }
 
 #[test]

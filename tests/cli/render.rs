@@ -149,6 +149,32 @@ fn paints_go_to_objects_by_name_and_by_index() {
 }
 
 #[test]
+fn objects_with_the_same_paint_share_one_synthesis() {
+    let place = Place::new();
+    let stops = "0:#100000,1:#ffffff";
+    let scene = "render scene.obj --size 64x48 --block 16 --overlap 4 --k 1";
+    let run = |name: &str, paints: &str| {
+        let report = place.json(&format!("{scene} -o {name}.png --dump {name} {paints}"));
+        let passes = report["passes"].as_array().expect("passes");
+        let search = passes.iter().find(|pass| pass["name"] == "quilt_search").expect("the search is timed");
+        let blocks = report["outputs"].as_array().expect("outputs").iter().filter_map(Value::as_str);
+        (search["count"].clone(), blocks.filter(|file| file.contains("/blocks")).count())
+    };
+    let once = run("once", "--paint strip.png");
+    assert_eq!(once.1, 1);
+    assert_eq!(run("each", "--paint tent=strip.png --paint floor=strip.png"), once);
+    assert_eq!(run("default", "--paint strip.png --paint floor=strip.png"), once);
+    let gradients = format!("--paint strip.png --gradient tent={stops} --gradient floor={stops}");
+    assert_eq!(run("gradients", &gradients).1, 1);
+    for name in ["each", "default"] {
+        assert_eq!(place.bytes(&format!("{name}.png")), place.bytes("once.png"), "{name}");
+    }
+    // Another paint, or the same strip in other colours, is a synthesis of its own.
+    assert_eq!(run("two", "--paint tent=strip.png --paint floor=other.png").1, 2);
+    assert_eq!(run("recolored", &format!("--paint strip.png --gradient floor={stops}")).1, 2);
+}
+
+#[test]
 fn wide_windows_and_flawed_models_are_told() {
     let place = Place::new();
     // 2 * floor(k * 16) + 1 of 96 columns: 47 are less than half of them, 49 more.
