@@ -93,9 +93,9 @@ fn guide_pass_equals_the_oracle() {
         let want = GuideOracle::render(&mesh, &camera, &Lights::default(), size.0, size.1).expect("oracle");
         let (other, shade, depth) = compare(&got, &want);
         eprintln!("{size:?}: {other:.5} other objects, shade {shade:.5}, depth {depth:.6}");
-        assert!(other < 0.002, "{other} of the pixels show another object");
-        assert!(shade < 0.01, "shade differs by {shade}");
-        assert!(depth < 0.01, "depth differs by {depth}");
+        assert!(other < 0.001, "{other} of the pixels show another object");
+        assert!(shade < 0.002, "shade differs by {shade}");
+        assert!(depth < 0.002, "depth differs by {depth}");
         // The comparison itself must notice a wrong light.
         let wrong = Guide { shade: got.shade.iter().map(|s| 1.0 - s).collect(), ..got };
         assert!(compare(&wrong, &want).1 > 0.1);

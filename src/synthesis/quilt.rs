@@ -292,8 +292,8 @@ impl Quilt {
     /// Prepares to quilt `output` = (width, height) pixels from `sample`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for parameters out of range (see [`QuiltParams::validate`]) and a guide that is not of the
-    /// output's size, [`Error::Memory`] when the budget does not allow it.
+    /// [`Error::Parameter`] for parameters out of range (see [`QuiltParams::validate`]), a guide that is not of the
+    /// output's size and a guide's paint that is not 1 to 65535; [`Error::Memory`] when the budget does not allow it.
     pub fn new(
         context: &Context,
         uploads: &mut Uploads,

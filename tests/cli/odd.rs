@@ -18,9 +18,10 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Runs in little memory, and tells whether a picture came out.
+/// Runs in little memory and with validation, any message of which would be an error that names no file; tells whether
+/// a picture came out.
 fn result_or_error(place: &Place, words: &[&str], file: &Path) -> bool {
-    let ran = place.run_words_in_2_gib(words);
+    let ran = place.run_words_in_2_gib(&[words, &["--validate"]].concat());
     let out = place.path("out.png");
     match ran.code {
         Some(0) => {
