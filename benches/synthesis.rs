@@ -10,7 +10,8 @@ use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptio
 use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
 use impasto::synthesis::params::{Layout, QuiltParams};
 use impasto::synthesis::quilt::{Quilt, QuiltStages, SampleTexels};
-use impasto::technique::image::{ImageParams, ImageTechnique, Paint};
+use impasto::technique::image::{ImageParams, ImageTechnique};
+use impasto::technique::Paint;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -45,7 +45,8 @@
 //! use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
 //! use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
 //! use impasto::synthesis::quilt::QuiltStages;
-//! use impasto::technique::image::{ImageParams, ImageTechnique, Paint};
+//! use impasto::technique::image::{ImageParams, ImageTechnique};
+//! use impasto::technique::Paint;
 //!
 //! # fn main() -> impasto::Result<()> {
 //! let strip = PaintSample::load("strip.png")?;

@@ -11,7 +11,8 @@ use impasto::synthesis::quilt::QuiltStages;
 use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
 use impasto::synthesis::tile_mask::TileMask;
 use impasto::synthesis::tile_oracle::tile_oracle;
-use impasto::technique::image::{ImageParams, ImageTechnique, Paint, Show};
+use impasto::technique::image::{ImageParams, ImageTechnique};
+use impasto::technique::{Paint, Show};
 
 /// Two boxes, the second one behind and above the first.
 const BOXES: &str = "

@@ -10,7 +10,8 @@ use impasto::gpu::Uploads;
 use impasto::scene::{Camera, GuidePass, Lights, Mesh};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
-use impasto::technique::image::{ImageParams, ImageTechnique, Show};
+use impasto::technique::image::{ImageParams, ImageTechnique};
+use impasto::technique::Show;
 use std::collections::HashSet;
 
 /// A scene, ready to be painted or painted already.

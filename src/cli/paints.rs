@@ -9,7 +9,7 @@ use super::strips::{Strip, StripFlags};
 use clap::Args;
 use impasto::paint::{PaintSample, Trajectory};
 use impasto::scene::Mesh;
-use impasto::technique::image::Paint;
+use impasto::technique::Paint;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

@@ -14,7 +14,8 @@ use super::values::{color, Size};
 use super::view::ViewFlags;
 use clap::{Args, ValueEnum};
 use impasto::scene::{Mesh, MeshOptions};
-use impasto::technique::image::{ImageParams, Show};
+use impasto::technique::image::ImageParams;
+use impasto::technique::Show;
 use std::path::{Path, PathBuf};
 
 /// Flags of `impasto render`.

@@ -11,17 +11,16 @@ use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader,
     Uploads,
 };
-use crate::paint::{TextureDifference, Trajectory};
+use crate::paint::Trajectory;
 use crate::scene::GuidePass;
 use crate::synthesis::params::QuiltParams;
 use crate::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
+use crate::technique::{check_paints, Paint, Show};
 use crate::{Error, Result};
 use ash::vk;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Paints and objects are numbered in 16 bits, 0 being the background.
-const MAX_PAINTS: usize = 65_535;
 /// Block sizes that a position may lie from its place; more than any sample is wide.
 const MAX_K: f32 = 1000.0;
 const HISTOGRAM_BYTES: u64 = 1024 * 4;
@@ -119,27 +118,6 @@ impl ImageParams {
     }
 }
 
-/// What objects are painted with: a strip, taken apart.
-#[derive(Clone, Copy)]
-pub struct Paint<'a> {
-    /// The strip's texture, which is quilted.
-    pub texture: &'a TextureDifference,
-    /// The colours by shade, of this strip or any other.
-    pub trajectory: &'a Trajectory,
-}
-
-/// What the frame shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Show {
-    /// Colour and texture.
-    #[default]
-    Painted,
-    /// Colour alone.
-    Color,
-    /// The texture difference alone, [-1, 1] mapped to [0, 1].
-    Texture,
-}
-
 /// A part of a frame's work, small enough for one submission; see [`ImageTechnique::parts`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImagePart(Part);
@@ -192,16 +170,7 @@ impl ImageTechnique {
         if params.quilt.tileable {
             return Err(Error::parameter("tileable", true, "false for image-based synthesis: a frame does not repeat"));
         }
-        if paints.is_empty() || paints.len() > MAX_PAINTS {
-            return Err(Error::parameter("paints", paints.len(), format!("1 to {MAX_PAINTS}")));
-        }
-        if let Some(stray) = paint_of_object.iter().find(|&&paint| paint as usize >= paints.len()) {
-            return Err(Error::parameter("paint of object", stray, format!("below the {} paints", paints.len())));
-        }
-        if paint_of_object.len() < guides.object_count() {
-            let allowed = format!("one for each of the {} objects", guides.object_count());
-            return Err(Error::parameter("paints of objects", paint_of_object.len(), allowed));
-        }
+        check_paints(paints.len(), paint_of_object, guides.object_count())?;
         let [width, height, _] = guides.shade().size_px();
         let image = |name, format| Image::new(context, name, &ImageDesc::storage_2d(width, height, format));
         let tone = image("image tone", vk::Format::R32_SFLOAT)?;

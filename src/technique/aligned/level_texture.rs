@@ -1,0 +1,1 @@
+//! A paint's tileable textures by level of shade, and their file.

@@ -1,0 +1,3 @@
+//! View-aligned 3D texture projection (thesis chapter 7).
+
+mod level_texture;

@@ -1,0 +1,1 @@
+//! Which views show which faces (thesis chapter 8).

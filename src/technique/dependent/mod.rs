@@ -1,0 +1,4 @@
+//! View-dependent interpolation (thesis chapter 8).
+
+mod blend;
+mod coverage;

@@ -1,0 +1,1 @@
+//! Texture coordinate t of every vertex (thesis chapter 5, equation 5.1).

@@ -1,0 +1,3 @@
+//! Object-based texture mapping (thesis chapter 5).
+
+mod coordinates;
