@@ -78,7 +78,7 @@ pub fn check_folder(path: &Path) -> Result {
 }
 
 /// Names of the intermediates that `--dump` writes once.
-const DUMPED: [&str; 4] = ["shade.png", "id.png", "color.png", "texture.png"];
+const DUMPED: [&str; 5] = ["shade.png", "id.png", "color.png", "texture.png", "coverage.json"];
 /// Names of those that it writes for every paint; from the second paint on, `_2` and so on follows the stem.
 const DUMPED_PER_PAINT: [(&str, &str); 3] = [("trajectory", ".png"), ("trajectory", ".csv"), ("blocks", ".json")];
 

@@ -14,10 +14,11 @@ mod demo_page;
 mod devices;
 mod failure;
 mod files;
-mod image_painter;
 mod paint;
+mod painter;
 mod paints;
 mod picture;
+mod prepare;
 mod progress;
 mod quilt;
 mod quilting;
@@ -25,6 +26,7 @@ mod render;
 mod report;
 mod session;
 mod strips;
+mod techniques;
 mod tile;
 mod values;
 mod view;
@@ -57,6 +59,8 @@ enum Command {
     Quilt(quilt::QuiltArgs),
     /// Make an existing picture tileable
     Tile(tile::TileArgs),
+    /// Prepare a strip for view-aligned projection, for `render --technique aligned` and for games
+    Prepare(prepare::PrepareArgs),
     /// Shade a model with paint
     Render(Box<render::RenderArgs>),
     /// Show what the program can do, without any file: a page with pictures of everything
@@ -97,6 +101,7 @@ impl Command {
             Command::Paint(_) => "paint",
             Command::Quilt(_) => "quilt",
             Command::Tile(_) => "tile",
+            Command::Prepare(_) => "prepare",
             Command::Render(_) => "render",
             Command::Demo(_) => "demo",
         }
@@ -108,6 +113,7 @@ impl Command {
             Command::Paint(args) => paint::run(args, session),
             Command::Quilt(args) => quilt::run(args, session),
             Command::Tile(args) => tile::run(args, session),
+            Command::Prepare(args) => prepare::run(args, session),
             Command::Render(args) => render::run(args, session),
             Command::Demo(args) => demo::run(args, session),
         }

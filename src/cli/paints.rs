@@ -9,14 +9,19 @@ use super::strips::{Strip, StripFlags};
 use clap::Args;
 use impasto::paint::{PaintSample, Trajectory};
 use impasto::scene::Mesh;
+use impasto::technique::aligned::{LevelSource, LevelTexture};
 use impasto::technique::Paint;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+/// The name of the built-in grid, which shows how texture lies on a model (figure 5.1).
+const GRID: &str = "grid";
+
 /// Paints for the objects of a model.
 #[derive(Args, Debug, Clone)]
 pub struct PaintFlags {
-    /// Paint strip, dark on the left and light on the right; OBJECT= (name or index) gives one object its own
+    /// Paint strip, dark on the left and light on the right, or `grid` for a test pattern; with the technique aligned also
+    /// what `prepare` made; OBJECT= (name or index) gives one object its own
     #[arg(long = "paint", value_name = "[OBJECT=]STRIP.png", required = true)]
     paints: Vec<String>,
     /// Other colours for the strip's texture: another strip's, or stops like 0:#102030,0.5:#ff8800,1:#ffffff
@@ -32,9 +37,26 @@ struct Assigned<'a> {
     of_object: Vec<Option<usize>>,
 }
 
+/// What a file of paint holds.
+enum Source {
+    /// A strip.
+    Strip(Box<Strip>),
+    /// Levels for view-aligned projection that were prepared before.
+    Levels(LevelTexture),
+}
+
+impl Source {
+    fn trajectory(&self) -> &Trajectory {
+        match self {
+            Source::Strip(strip) => &strip.trajectory,
+            Source::Levels(levels) => levels.trajectory(),
+        }
+    }
+}
+
 /// What a model is painted with.
 pub struct Paints {
-    strips: Vec<Strip>,
+    strips: Vec<Source>,
     gradients: Vec<Trajectory>,
     /// Strip and gradient of each paint.
     pairs: Vec<(usize, Option<usize>)>,
@@ -45,8 +67,8 @@ pub struct Paints {
 }
 
 impl PaintFlags {
-    /// Loads all strips and gives every object its paint.
-    pub fn load(&self, mesh: &Mesh, session: &mut Session) -> Result<Paints> {
+    /// Loads all strips and gives every object its paint. `levels` says whether prepared levels will do as well.
+    pub fn load(&self, mesh: &Mesh, levels: bool, session: &mut Session) -> Result<Paints> {
         let paints = assign("--paint", &self.paints, mesh)?;
         let gradients = assign("--gradient", &self.gradients, mesh)?;
         let mut pair_of_object = Vec::with_capacity(mesh.objects().len());
@@ -64,12 +86,11 @@ impl PaintFlags {
         let mut loaded =
             Paints { strips: Vec::new(), gradients: Vec::new(), pairs, of_object: Vec::new(), files: Vec::new() };
         for text in &paints.values {
-            let sample = PaintSample::load(text).map_err(|error| Failure::new(format!("--paint: {error}")))?;
-            loaded.strips.push(self.strip.separate(sample, text, session)?);
+            loaded.strips.push(self.source(text, levels, session)?);
             loaded.files.push(PathBuf::from(text));
         }
         // Stops become as many colours as the longest strip has columns.
-        let columns = loaded.strips.iter().map(|strip| strip.trajectory.len()).max().unwrap_or(1);
+        let columns = loaded.strips.iter().map(|source| source.trajectory().len()).max().unwrap_or(1);
         for text in &gradients.values {
             loaded.gradients.push(self.strip.gradient(text, columns)?);
         }
@@ -82,23 +103,74 @@ impl PaintFlags {
         self.strip.report(session);
         Ok(loaded)
     }
+
+    fn source(&self, text: &str, levels: bool, session: &mut Session) -> Result<Source> {
+        let wrong = |error| Failure::new(format!("--paint: {error}"));
+        if text == GRID && !Path::new(text).exists() {
+            return Ok(Source::Strip(Box::new(self.strip.separate(PaintSample::grid(), text, session)?)));
+        }
+        if Path::new(text).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ktx2")) {
+            let texture = LevelTexture::load(text).map_err(wrong)?;
+            if !levels {
+                let only = "holds prepared levels, which only --technique aligned paints with";
+                return Err(Failure::new(format!("--paint: {text}: {only}")));
+            }
+            return Ok(Source::Levels(texture));
+        }
+        let sample = PaintSample::load(text).map_err(wrong)?;
+        Ok(Source::Strip(Box::new(self.strip.separate(sample, text, session)?)))
+    }
 }
 
 impl Paints {
     /// The paints as the techniques take them, in the order of their numbers.
-    pub fn all(&self) -> Vec<Paint<'_>> {
-        let paint = |&(strip, gradient): &(usize, Option<usize>)| {
-            let strip = &self.strips[strip];
-            let trajectory = gradient.map_or(&strip.trajectory, |gradient| &self.gradients[gradient]);
-            Paint { texture: &strip.texture, trajectory }
+    pub fn all(&self) -> Result<Vec<Paint<'_>>> {
+        let paint = |(&(strip, _), trajectory): (&(usize, Option<usize>), _)| match &self.strips[strip] {
+            Source::Strip(strip) => Ok(Paint { texture: &strip.texture, trajectory }),
+            Source::Levels(_) => Err(Failure::file(self.files[strip].as_path(), "holds prepared levels and no strip")),
         };
-        self.pairs.iter().map(paint).collect()
+        self.pairs.iter().zip(self.trajectories()).map(paint).collect()
+    }
+
+    /// The paints as view-aligned projection takes them.
+    pub fn levels(&self) -> Vec<LevelSource<'_>> {
+        let level = |(strip, _): &(usize, Option<usize>)| match &self.strips[*strip] {
+            Source::Strip(strip) => LevelSource::Strip(&strip.texture),
+            Source::Levels(levels) => LevelSource::Prepared(levels),
+        };
+        self.pairs.iter().map(level).collect()
+    }
+
+    /// The colours of each paint.
+    pub fn trajectories(&self) -> Vec<&Trajectory> {
+        let trajectory = |&(strip, gradient): &(usize, Option<usize>)| {
+            gradient.map_or(self.strips[strip].trajectory(), |gradient| &self.gradients[gradient])
+        };
+        self.pairs.iter().map(trajectory).collect()
+    }
+
+    /// Number and size of the levels that were prepared before, if there are any; they must agree.
+    pub fn prepared(&self) -> Result<Option<(u32, u32)>> {
+        let mut found: Option<(u32, u32)> = None;
+        for (source, file) in self.strips.iter().zip(&self.files) {
+            let Source::Levels(levels) = source else { continue };
+            let own = (levels.levels(), levels.size_px());
+            if found.is_some_and(|found| found != own) {
+                let text = format!("has {} levels of {} pixels, unlike the paint before it", own.0, own.1);
+                return Err(Failure::file(file, text));
+            }
+            found = Some(own);
+        }
+        Ok(found)
     }
 
     /// The strips in use, with their files.
     pub fn strips(&self) -> impl Iterator<Item = (&Path, &Strip)> {
         let used: BTreeSet<usize> = self.pairs.iter().map(|(strip, _)| *strip).collect();
-        used.into_iter().map(|strip| (self.files[strip].as_path(), &self.strips[strip]))
+        used.into_iter().filter_map(|number| match &self.strips[number] {
+            Source::Strip(strip) => Some((self.files[number].as_path(), &**strip)),
+            Source::Levels(_) => None,
+        })
     }
 }
 

@@ -3,19 +3,21 @@
 use super::blocks;
 use super::failure::Result;
 use super::files::{check_apart, check_file, check_folder, Outputs};
-use super::image_painter::ImagePainter;
+use super::painter::{Painter, Scene};
 use super::paints::{PaintFlags, Paints};
 use super::picture::{encode, format_of, gray_png, over, png};
 use super::quilting::Quilting;
-use super::report::number;
 use super::session::{Device, Session};
 use super::strips::trajectory_picture;
+use super::techniques::{TechniqueFlags, TechniqueName};
 use super::values::{color, Size};
 use super::view::ViewFlags;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use impasto::scene::{Mesh, MeshOptions};
+use impasto::technique::dependent::CoverageReport;
 use impasto::technique::image::ImageParams;
 use impasto::technique::Show;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Flags of `impasto render`.
@@ -30,37 +32,22 @@ pub struct RenderArgs {
     /// Its size in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", allow_hyphen_values = true)]
     size: Size,
-    /// Way of painting
-    #[arg(long, value_enum, default_value_t)]
-    technique: Technique,
     #[command(flatten)]
     paints: PaintFlags,
     #[command(flatten)]
     quilting: Quilting,
-    /// How far a block's place in the strip may be from its shade's, in blocks; fractions allowed [default: 1/16 of the
-    /// strip's width, 1 to 4 blocks; the thesis: 4]
-    #[arg(long, value_name = "BLOCKS", allow_negative_numbers = true)]
-    k: Option<f32>,
-    /// Spread the model's own range of shade over the whole strip
-    #[arg(long)]
-    levels: bool,
+    #[command(flatten)]
+    technique: TechniqueFlags,
     #[command(flatten)]
     view: ViewFlags,
     /// Colour behind the model, like #ffffff [default: transparent]
     #[arg(long, value_name = "COLOR", value_parser = color)]
     background: Option<[u8; 3]>,
-    /// Folder for the intermediates: shade.png, id.png, color.png, texture.png, trajectory.png, trajectory.csv and
-    /// blocks.json; those of a second paint are trajectory_2.png and so on
+    /// Folder for the intermediates: shade.png, id.png, color.png, texture.png, trajectory.png, trajectory.csv, with the
+    /// technique image blocks.json, and with dependent coverage.json; those of a second paint are trajectory_2.png and so
+    /// on
     #[arg(long, value_name = "DIR")]
     dump: Option<PathBuf>,
-}
-
-/// Ways of painting.
-#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum Technique {
-    /// Texture synthesised over the picture, colour by shade: best for stills
-    #[default]
-    Image,
 }
 
 /// Renders.
@@ -71,39 +58,45 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
         check_folder(dir)?;
         check_apart(&args.output, dir)?;
     }
-    let params = ImageParams { quilt: args.quilting.params(false), k: args.k, levels: args.levels };
-    // A k out of range is told before any work.
-    params.window_px(1)?;
     let lights = args.view.lights()?;
     let mesh = load_model(&args.model, session)?;
     let camera = args.view.camera(&mesh, args.size.aspect())?;
-    let paints = args.paints.load(&mesh, session)?;
+    let name = args.technique.technique;
+    let paints = args.paints.load(&mesh, name == TechniqueName::Aligned, session)?;
+    let chosen = args.technique.choose(&args.quilting, &mesh, paints.prepared()?)?;
+    let window = ImageParams { quilt: chosen.quilt, k: chosen.k, levels: chosen.levels };
+    // A k out of range is told before any work.
+    window.window_px(1)?;
     for (file, strip) in paints.strips() {
         let size = (strip.sample.width(), strip.sample.height());
-        args.quilting.check(file, size, args.size, false)?;
-        warn_of_wide_window(file, size.0, &params, session)?;
+        if name != TechniqueName::Object {
+            args.quilting.check(file, size, args.size, false)?;
+        }
+        if matches!(name, TechniqueName::Image | TechniqueName::Dependent) {
+            warn_of_wide_window(file, size.0, &window, session)?;
+        }
     }
     session.parameter("model", args.model.display().to_string());
     session.parameter("size", args.size.to_string());
-    session.parameter("technique", "image");
+    args.technique.report(session);
     args.quilting.report(session);
-    session.parameter("k", args.k.map_or(serde_json::Value::Null, number));
-    session.parameter("levels", args.levels);
     args.view.report(&camera, &lights, session);
     session.phase("load");
 
     let mut device = session.open_device()?;
     device.check_size(args.size)?;
     session.phase("setup");
-    let painter = ImagePainter::new(&mut device, &mesh, &camera, &lights, &paints, &params, args.size)?;
-    session.phase("prepare");
-    painter.paint(session, &mut device)?;
+    let scene = Scene { mesh: &mesh, camera, lights, size: args.size };
+    let painter = Painter::new(session, &mut device, &scene, &paints, &chosen)?;
     session.phase("synthesis");
 
     let mut outputs = Outputs::default();
     let mut frame = painter.frame(&mut device, Show::Painted)?;
     if let Some(background) = args.background {
         frame = over(frame, background);
+    }
+    if let Some(report) = painter.coverage() {
+        session.attach("coverage", coverage_json(report));
     }
     if let Some(dir) = &args.dump {
         dump(dir, &args.quilting, &paints, &painter, &mut device, &mut outputs)?;
@@ -113,6 +106,14 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
     session.wrote(outputs.commit()?);
     session.phase("write");
     Ok(())
+}
+
+/// What the search for views came to.
+fn coverage_json(report: &CoverageReport) -> serde_json::Value {
+    json!({
+        "views": report.views, "rounds": report.rounds, "slices": report.slices, "faces": report.faces,
+        "covered": report.covered, "forced": report.forced,
+    })
 }
 
 /// Loads a model and tells what was wrong with it.
@@ -145,7 +146,7 @@ fn dump(
     dir: &Path,
     quilting: &Quilting,
     paints: &Paints,
-    painter: &ImagePainter,
+    painter: &Painter<'_>,
     device: &mut Device,
     outputs: &mut Outputs,
 ) -> Result {
@@ -153,12 +154,18 @@ fn dump(
     outputs.add(dir.join("id.png"), png(painter.id(device)?)?);
     outputs.add(dir.join("color.png"), png(painter.frame(device, Show::Color)?)?);
     outputs.add(dir.join("texture.png"), png(painter.frame(device, Show::Texture)?)?);
-    for (number, (paint, records)) in (1..).zip(paints.all().iter().zip(painter.blocks(device)?)) {
+    let blocks = painter.blocks(device)?;
+    for (number, trajectory) in (1..).zip(paints.trajectories()) {
         let suffix = if number == 1 { String::new() } else { format!("_{number}") };
         let file = |name: &str, extension: &str| dir.join(format!("{name}{suffix}.{extension}"));
-        outputs.add(file("trajectory", "png"), png(trajectory_picture(paint.trajectory))?);
-        outputs.add(file("trajectory", "csv"), paint.trajectory.to_csv());
-        outputs.add(file("blocks", "json"), blocks::json(quilting, &records));
+        outputs.add(file("trajectory", "png"), png(trajectory_picture(trajectory))?);
+        outputs.add(file("trajectory", "csv"), trajectory.to_csv());
+        if let Some(records) = blocks.get(number - 1) {
+            outputs.add(file("blocks", "json"), blocks::json(quilting, records));
+        }
+    }
+    if let Some(report) = painter.coverage() {
+        outputs.add(dir.join("coverage.json"), format!("{:#}\n", coverage_json(report)));
     }
     Ok(())
 }

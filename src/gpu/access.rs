@@ -23,6 +23,10 @@ pub enum Access {
     ComputeWrite,
     /// Read and written by a compute shader.
     ComputeReadWrite,
+    /// Read by a fragment shader as a storage image.
+    FragmentRead,
+    /// Read by a fragment shader through a sampler.
+    FragmentSampled,
     /// Read by draw calls as vertices or indices.
     VertexInput,
     /// Rendered to as a colour attachment that is cleared first.
@@ -56,6 +60,8 @@ impl Access {
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_READ, L::GENERAL, false, false),
             Access::ComputeWrite => (S::COMPUTE_SHADER, A::SHADER_WRITE, L::GENERAL, true, false),
             Access::ComputeReadWrite => (S::COMPUTE_SHADER, A::SHADER_READ | A::SHADER_WRITE, L::GENERAL, true, false),
+            Access::FragmentRead => (S::FRAGMENT_SHADER, A::SHADER_READ, L::GENERAL, false, false),
+            Access::FragmentSampled => (S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false, false),
             Access::VertexInput => {
                 (S::VERTEX_INPUT, A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, L::UNDEFINED, false, false)
             }

@@ -13,6 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 pub(crate) enum Garbage {
     Buffer(vk::Buffer, Option<Allocation>),
     Image(vk::Image, vk::ImageView, Option<Allocation>),
+    Sampler(vk::Sampler),
     Pipeline(vk::Pipeline, vk::PipelineLayout, vk::DescriptorSetLayout),
     DescriptorPool(vk::DescriptorPool),
     RenderPass(vk::RenderPass),
@@ -42,6 +43,7 @@ impl Garbage {
                     device.destroy_image(image, None);
                     free(allocation);
                 }
+                Garbage::Sampler(sampler) => device.destroy_sampler(sampler, None),
                 Garbage::Pipeline(pipeline, layout, set_layout) => {
                     device.destroy_pipeline(pipeline, None);
                     device.destroy_pipeline_layout(layout, None);
@@ -193,6 +195,19 @@ impl ImageDesc {
         let usage = U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
         ImageDesc { size_px: [width_px, height_px, 1], format, usage }
     }
+
+    /// A 2D or 3D image that fragment shaders sample, and that is copied to.
+    pub fn sampled(size_px: [u32; 3], format: vk::Format) -> Self {
+        use vk::ImageUsageFlags as U;
+        ImageDesc { size_px, format, usage: U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST }
+    }
+
+    /// A 2D image that is drawn to and then read by whoever wants to: a frame.
+    pub fn frame(width_px: u32, height_px: u32) -> Self {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC;
+        ImageDesc { size_px: [width_px, height_px, 1], format: vk::Format::R8G8B8A8_UNORM, usage }
+    }
 }
 
 /// A 2D or 3D image of one level with a view of the whole of it. Clones are the same image.
@@ -310,6 +325,7 @@ impl Image {
     pub(crate) fn texel_bytes(&self) -> u64 {
         match self.0.desc.format {
             vk::Format::R8G8B8A8_UNORM | vk::Format::R32_UINT | vk::Format::R32_SFLOAT | vk::Format::D32_SFLOAT => 4,
+            vk::Format::R16G16B16A16_SFLOAT => 8,
             vk::Format::R32G32B32A32_SFLOAT => 16,
             _ => 0,
         }
@@ -377,6 +393,43 @@ impl Drop for ImageInner {
         if self.owned {
             self.context.bury(Garbage::Image(self.handle, self.view, self.allocation.take()));
         }
+    }
+}
+
+/// How an image is sampled: linear between texels, one level. Clones are the same sampler.
+#[derive(Clone)]
+pub(crate) struct Sampler(Arc<SamplerInner>);
+
+struct SamplerInner {
+    context: Context,
+    handle: vk::Sampler,
+}
+
+impl Sampler {
+    /// Makes a sampler with these ways to go on beyond the edges in x, y and z.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`] when the call fails.
+    pub fn linear(context: &Context, edges: [vk::SamplerAddressMode; 3]) -> Result<Self> {
+        let info = vk::SamplerCreateInfo::default()
+            .mag_filter(vk::Filter::LINEAR)
+            .min_filter(vk::Filter::LINEAR)
+            .address_mode_u(edges[0])
+            .address_mode_v(edges[1])
+            .address_mode_w(edges[2]);
+        // SAFETY: a plain creation on a live device.
+        let handle = unsafe { context.device().create_sampler(&info, None) }.map_err(vulkan("vkCreateSampler"))?;
+        Ok(Sampler(Arc::new(SamplerInner { context: context.clone(), handle })))
+    }
+
+    pub fn handle(&self) -> vk::Sampler {
+        self.0.handle
+    }
+}
+
+impl Drop for SamplerInner {
+    fn drop(&mut self) {
+        self.context.bury(Garbage::Sampler(self.handle));
     }
 }
 

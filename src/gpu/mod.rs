@@ -21,12 +21,13 @@ mod validation;
 pub use access::{Access, Barrier, ResourceState};
 pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
+pub(crate) use memory::Sampler;
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};
-pub use pipeline::{BindingKind, PipelineCacheFile, Shader};
+pub use pipeline::{BindingKind, PipelineCacheFile, RasterShader, Shader};
 pub(crate) use pipeline::{BindingSet, ComputePipeline};
 pub use recorder::Recorder;
 pub(crate) use render_pass::{
-    Attachment, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, VertexAttribute,
+    Attachment, Draw, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, VertexAttribute,
 };
 pub use runner::Runner;
 pub use timing::{PassTime, PassTimer};

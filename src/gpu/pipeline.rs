@@ -7,7 +7,8 @@
 use super::access::Access;
 use super::caps::Caps;
 use super::context::{vulkan, Context};
-use super::memory::{Buffer, Garbage, Image};
+use super::memory::{Buffer, Garbage, Image, Sampler};
+use super::recorder::Use;
 use crate::{Error, Result};
 use ash::vk;
 use std::path::{Path, PathBuf};
@@ -19,12 +20,14 @@ pub enum BindingKind {
     Buffer(Access),
     /// A storage image.
     Image(Access),
+    /// An image with its sampler.
+    Sampled(Access),
 }
 
 impl BindingKind {
     pub(crate) fn access(self) -> Access {
         match self {
-            BindingKind::Buffer(access) | BindingKind::Image(access) => access,
+            BindingKind::Buffer(access) | BindingKind::Image(access) | BindingKind::Sampled(access) => access,
         }
     }
 
@@ -32,6 +35,7 @@ impl BindingKind {
         match self {
             BindingKind::Buffer(_) => vk::DescriptorType::STORAGE_BUFFER,
             BindingKind::Image(_) => vk::DescriptorType::STORAGE_IMAGE,
+            BindingKind::Sampled(_) => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
         }
     }
 }
@@ -49,6 +53,52 @@ pub struct Shader {
     pub push_bytes: u32,
 }
 
+/// A vertex and a fragment shader as they are built in, which share bindings and push constants.
+#[derive(Debug, Clone, Copy)]
+pub struct RasterShader {
+    /// The pass's name: debug label and timer row.
+    pub name: &'static str,
+    /// The optimised SPIR-V of the vertex shader.
+    pub vertex_spirv: &'static [u8],
+    /// The optimised SPIR-V of the fragment shader.
+    pub fragment_spirv: &'static [u8],
+    /// Bindings 0, 1, ... of set 0.
+    pub bindings: &'static [BindingKind],
+    /// Size of the push constant block, 128 bytes at most.
+    pub push_bytes: u32,
+}
+
+/// A pipeline that a [`BindingSet`] can be made for.
+pub(crate) trait Bindable {
+    /// The stage's name.
+    fn name(&self) -> &'static str;
+    /// What its bindings are.
+    fn bindings(&self) -> &'static [BindingKind];
+    /// Their layout.
+    fn set_layout(&self) -> vk::DescriptorSetLayout;
+}
+
+/// The layout of descriptor set 0 with these bindings.
+pub(crate) fn set_layout(
+    context: &Context,
+    bindings: &[BindingKind],
+    stages: vk::ShaderStageFlags,
+) -> Result<vk::DescriptorSetLayout> {
+    let bindings: Vec<_> = (0..)
+        .zip(bindings)
+        .map(|(binding, kind)| {
+            vk::DescriptorSetLayoutBinding::default()
+                .binding(binding)
+                .descriptor_type(kind.descriptor_type())
+                .descriptor_count(1)
+                .stage_flags(stages)
+        })
+        .collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: a plain creation on a live device; `info` outlives the call.
+    unsafe { context.device().create_descriptor_set_layout(&info, None) }.map_err(vulkan("vkCreateDescriptorSetLayout"))
+}
+
 pub(crate) fn shader_module(context: &Context, name: &str, spirv: &[u8]) -> Result<vk::ShaderModule> {
     let words = ash::util::read_spv(&mut std::io::Cursor::new(spirv))
         .map_err(|e| Error::Device(format!("shader {name} is damaged: {e}")))?;
@@ -63,7 +113,7 @@ pub(crate) struct ComputePipeline {
     pub(crate) shader: Shader,
     pub(crate) handle: vk::Pipeline,
     pub(crate) layout: vk::PipelineLayout,
-    pub(crate) set_layout: vk::DescriptorSetLayout,
+    set_layout: vk::DescriptorSetLayout,
 }
 
 impl ComputePipeline {
@@ -87,16 +137,6 @@ impl ComputePipeline {
             .collect();
         let specialization =
             vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
-        let bindings: Vec<_> = (0..)
-            .zip(shader.bindings)
-            .map(|(binding, kind)| {
-                vk::DescriptorSetLayoutBinding::default()
-                    .binding(binding)
-                    .descriptor_type(kind.descriptor_type())
-                    .descriptor_count(1)
-                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
-            })
-            .collect();
         // What was made so far is freed when a later call fails: `pipeline` owns it.
         let mut pipeline = ComputePipeline {
             context: context.clone(),
@@ -105,11 +145,9 @@ impl ComputePipeline {
             layout: vk::PipelineLayout::null(),
             set_layout: vk::DescriptorSetLayout::null(),
         };
+        pipeline.set_layout = set_layout(context, shader.bindings, vk::ShaderStageFlags::COMPUTE)?;
         // SAFETY: plain creations on a live device; every create info outlives its call.
         unsafe {
-            pipeline.set_layout = device
-                .create_descriptor_set_layout(&vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings), None)
-                .map_err(vulkan("vkCreateDescriptorSetLayout"))?;
             let push =
                 vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(shader.push_bytes);
             let (layouts, pushes) = ([pipeline.set_layout], [push]);
@@ -135,6 +173,20 @@ impl ComputePipeline {
     }
 }
 
+impl Bindable for ComputePipeline {
+    fn name(&self) -> &'static str {
+        self.shader.name
+    }
+
+    fn bindings(&self) -> &'static [BindingKind] {
+        self.shader.bindings
+    }
+
+    fn set_layout(&self) -> vk::DescriptorSetLayout {
+        self.set_layout
+    }
+}
+
 impl Drop for ComputePipeline {
     fn drop(&mut self) {
         self.context.bury(Garbage::Pipeline(self.handle, self.layout, self.set_layout));
@@ -148,6 +200,8 @@ pub(crate) enum Bound {
     Buffer(Buffer),
     /// An image, whole.
     Image(Image),
+    /// An image, whole, and how it is sampled.
+    Sampled(Image, Sampler),
 }
 
 impl From<&Buffer> for Bound {
@@ -162,12 +216,19 @@ impl From<&Image> for Bound {
     }
 }
 
-/// The resources of one dispatch, in the order of the shader's bindings. Keeps them alive.
+impl From<(&Image, &Sampler)> for Bound {
+    fn from((image, sampler): (&Image, &Sampler)) -> Self {
+        Bound::Sampled(image.clone(), sampler.clone())
+    }
+}
+
+/// The resources of one dispatch or draw, in the order of the shader's bindings. Keeps them alive.
 pub(crate) struct BindingSet {
     context: Context,
     pool: vk::DescriptorPool,
     pub(crate) set: vk::DescriptorSet,
-    pub(crate) bound: Vec<Bound>,
+    bindings: &'static [BindingKind],
+    bound: Vec<Bound>,
 }
 
 impl BindingSet {
@@ -175,21 +236,22 @@ impl BindingSet {
     ///
     /// # Errors
     /// [`Error::Device`] when the resources do not fit the shader's bindings, [`Error::Vulkan`] when a call fails.
-    pub fn new(context: &Context, pipeline: &ComputePipeline, bound: &[Bound]) -> Result<Self> {
-        let shader = &pipeline.shader;
-        let fits = bound.len() == shader.bindings.len()
-            && bound.iter().zip(shader.bindings).all(|(bound, kind)| {
+    pub fn new(context: &Context, pipeline: &impl Bindable, bound: &[Bound]) -> Result<Self> {
+        let bindings = pipeline.bindings();
+        let fits = bound.len() == bindings.len()
+            && bound.iter().zip(bindings).all(|(bound, kind)| {
                 matches!(
                     (bound, kind),
-                    (Bound::Image(_), BindingKind::Image(_)) | (Bound::Buffer(_), BindingKind::Buffer(_))
+                    (Bound::Image(_), BindingKind::Image(_))
+                        | (Bound::Buffer(_), BindingKind::Buffer(_))
+                        | (Bound::Sampled(..), BindingKind::Sampled(_))
                 )
             });
         if !fits {
-            return Err(Error::Device(format!("the resources bound to {} do not fit its bindings", shader.name)));
+            return Err(Error::Device(format!("the resources bound to {} do not fit its bindings", pipeline.name())));
         }
         let device = context.device();
-        let sizes: Vec<_> = shader
-            .bindings
+        let sizes: Vec<_> = bindings
             .iter()
             .map(|kind| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: 1 })
             .collect();
@@ -197,17 +259,18 @@ impl BindingSet {
             context: context.clone(),
             pool: vk::DescriptorPool::null(),
             set: vk::DescriptorSet::null(),
+            bindings,
             bound: bound.to_vec(),
         };
         // SAFETY: plain creations on a live device; the written resources are live and kept by `bound`.
         unsafe {
             let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
             set.pool = device.create_descriptor_pool(&info, None).map_err(vulkan("vkCreateDescriptorPool"))?;
-            let layouts = [pipeline.set_layout];
+            let layouts = [pipeline.set_layout()];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(set.pool).set_layouts(&layouts);
             let sets = device.allocate_descriptor_sets(&info).map_err(vulkan("vkAllocateDescriptorSets"))?;
             set.set = sets.first().copied().unwrap_or_default();
-            for (binding, (bound, kind)) in (0..).zip(bound.iter().zip(shader.bindings)) {
+            for (binding, (bound, kind)) in (0..).zip(bound.iter().zip(bindings)) {
                 let buffers;
                 let images;
                 let write = vk::WriteDescriptorSet::default()
@@ -220,11 +283,15 @@ impl BindingSet {
                             [vk::DescriptorBufferInfo { buffer: buffer.handle(), offset: 0, range: vk::WHOLE_SIZE }];
                         write.buffer_info(&buffers)
                     }
-                    Bound::Image(image) => {
+                    Bound::Image(image) | Bound::Sampled(image, _) => {
+                        let sampler = match bound {
+                            Bound::Sampled(_, sampler) => sampler.handle(),
+                            _ => vk::Sampler::null(),
+                        };
                         images = [vk::DescriptorImageInfo {
-                            sampler: vk::Sampler::null(),
+                            sampler,
                             image_view: image.view(),
-                            image_layout: vk::ImageLayout::GENERAL,
+                            image_layout: kind.access().info().layout,
                         }];
                         write.image_info(&images)
                     }
@@ -233,6 +300,14 @@ impl BindingSet {
             }
         }
         Ok(set)
+    }
+
+    /// Its resources, and how the shader touches them.
+    pub(crate) fn uses(&self) -> impl Iterator<Item = Use<'_>> {
+        self.bound.iter().zip(self.bindings).map(|(bound, kind)| match bound {
+            Bound::Buffer(buffer) => Use::Buffer(buffer, kind.access()),
+            Bound::Image(image) | Bound::Sampled(image, _) => Use::Image(image, kind.access()),
+        })
     }
 }
 

@@ -9,9 +9,10 @@
 use super::access::{Access, Barrier};
 use super::context::Context;
 use super::memory::{Buffer, Image};
-use super::pipeline::{BindingSet, Bound, ComputePipeline};
+use super::pipeline::{BindingSet, ComputePipeline};
 use super::timing::PassTimer;
 use ash::vk;
+use std::ops::Range;
 
 /// One resource of a pass and how the pass touches it.
 #[derive(Clone, Copy)]
@@ -20,6 +21,17 @@ pub(crate) enum Use<'a> {
     Buffer(&'a Buffer, Access),
     /// An image.
     Image(&'a Image, Access),
+}
+
+impl Use<'_> {
+    /// Whether both touch one resource in the same way.
+    pub(crate) fn same(&self, other: &Use<'_>) -> bool {
+        match (self, other) {
+            (Use::Buffer(a, x), Use::Buffer(b, y)) => a.id() == b.id() && x == y,
+            (Use::Image(a, x), Use::Image(b, y)) => a.id() == b.id() && x == y,
+            _ => false,
+        }
+    }
 }
 
 /// Records passes into one command buffer. Never submits, waits, allocates GPU memory or compiles.
@@ -157,15 +169,13 @@ impl<'a> Recorder<'a> {
         if groups.contains(&0) {
             return;
         }
-        let uses: Vec<Use<'_>> = set
-            .bound
-            .iter()
-            .zip(shader.bindings)
-            .map(|(bound, kind)| match bound {
-                Bound::Buffer(buffer) => Use::Buffer(buffer, kind.access()),
-                Bound::Image(image) => Use::Image(image, kind.access()),
-            })
-            .collect();
+        let mut uses: Vec<Use<'_>> = Vec::with_capacity(shader.bindings.len());
+        for one in set.uses() {
+            // A stage may be given one resource for two of its bindings.
+            if !uses.iter().any(|other| other.same(&one)) {
+                uses.push(one);
+            }
+        }
         self.pass(shader.name, &uses, |device, commands| {
             let point = vk::PipelineBindPoint::COMPUTE;
             // SAFETY: pipeline and set are live, made for each other (`BindingSet::new`), and the set's resources are
@@ -206,6 +216,19 @@ impl<'a> Recorder<'a> {
             let layout = Access::TransferDiscard.info().layout;
             // SAFETY: `from` holds the image's texels: callers upload exactly one image's worth.
             unsafe { device.cmd_copy_buffer_to_image(commands, from.handle(), to.handle(), layout, &[to.whole()]) };
+        });
+    }
+
+    /// Fills `slices` of a 3D image with the tightly packed texels in `from`; the others stay as they are.
+    pub(crate) fn upload_slices(&mut self, name: &'static str, from: &Buffer, to: &Image, slices: Range<u32>) {
+        let uses = [Use::Buffer(from, Access::TransferRead), Use::Image(to, Access::TransferWrite)];
+        let mut region = to.whole();
+        region.image_offset.z = slices.start as i32;
+        region.image_extent.depth = slices.len() as u32;
+        self.pass(name, &uses, |device, commands| {
+            let layout = Access::TransferWrite.info().layout;
+            // SAFETY: `from` holds the texels of these slices, and the image has them: `Uploads` has checked both.
+            unsafe { device.cmd_copy_buffer_to_image(commands, from.handle(), to.handle(), layout, &[region]) };
         });
     }
 

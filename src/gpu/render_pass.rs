@@ -6,10 +6,11 @@
 use super::access::Access;
 use super::context::{vulkan, Context};
 use super::memory::{Buffer, Garbage, Image};
-use super::pipeline::shader_module;
+use super::pipeline::{set_layout, shader_module, Bindable, BindingKind, BindingSet, RasterShader};
 use super::recorder::{Recorder, Use};
 use crate::Result;
 use ash::vk;
+use std::ops::Range;
 
 /// One attachment of a render pass.
 #[derive(Debug, Clone, Copy)]
@@ -141,39 +142,41 @@ pub(crate) struct VertexAttribute {
     pub offset_bytes: u32,
 }
 
-/// How to make a [`RasterPipeline`]: triangles, no culling, depth test LESS where there is a depth attachment.
+/// How to make a [`RasterPipeline`]: triangles, depth test LESS where there is a depth attachment.
 pub(crate) struct RasterDesc<'a> {
-    /// The pass's name.
-    pub name: &'static str,
-    /// SPIR-V of the vertex shader.
-    pub vertex_spirv: &'a [u8],
-    /// SPIR-V of the fragment shader.
-    pub fragment_spirv: &'a [u8],
-    /// Size of a vertex, bytes.
+    /// Its shaders.
+    pub shader: RasterShader,
+    /// Size of a vertex, bytes; 0 for shaders that need none.
     pub vertex_bytes: u32,
     /// What a vertex holds.
     pub attributes: &'a [VertexAttribute],
-    /// Size of the push constants that both stages share, 128 bytes at most.
-    pub push_bytes: u32,
+    /// Leave out triangles that show their back.
+    pub cull_back: bool,
 }
 
-/// A vertex and a fragment shader that share push constants, ready to draw indexed triangles.
+/// A vertex and a fragment shader that share bindings and push constants, ready to draw triangles.
 pub(crate) struct RasterPipeline {
     context: Context,
-    name: &'static str,
+    shader: RasterShader,
     handle: vk::Pipeline,
     layout: vk::PipelineLayout,
-    push_bytes: u32,
+    set_layout: vk::DescriptorSetLayout,
 }
 
 const STAGES: vk::ShaderStageFlags =
     vk::ShaderStageFlags::from_raw(vk::ShaderStageFlags::VERTEX.as_raw() | vk::ShaderStageFlags::FRAGMENT.as_raw());
 
-/// What one draw takes: vertices, and how many indices (u32) of which buffer.
+/// The vertices and indices (u32) that draws take.
 pub(crate) struct Geometry<'a> {
     pub vertices: &'a Buffer,
     pub indices: &'a Buffer,
-    pub index_count: u32,
+}
+
+/// One draw of a pass: its resources, its push constants, and which indices it takes (without a geometry: vertices).
+pub(crate) struct Draw<'a, P> {
+    pub set: Option<&'a BindingSet>,
+    pub push: P,
+    pub range: Range<u32>,
 }
 
 impl RasterPipeline {
@@ -184,25 +187,27 @@ impl RasterPipeline {
     pub fn new(context: &Context, pass: &RenderPass, desc: &RasterDesc<'_>) -> Result<Self> {
         let mut pipeline = RasterPipeline {
             context: context.clone(),
-            name: desc.name,
+            shader: desc.shader,
             handle: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
-            push_bytes: desc.push_bytes,
+            set_layout: vk::DescriptorSetLayout::null(),
         };
-        let pushes = [vk::PushConstantRange::default().stage_flags(STAGES).size(desc.push_bytes)];
-        let info = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&pushes);
+        pipeline.set_layout = set_layout(context, desc.shader.bindings, STAGES)?;
+        let layouts = [pipeline.set_layout];
+        let pushes = [vk::PushConstantRange::default().stage_flags(STAGES).size(desc.shader.push_bytes)];
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts).push_constant_ranges(&pushes);
         // SAFETY: a plain creation on a live device; `pipeline` frees it if a later call fails.
         pipeline.layout = unsafe { context.device().create_pipeline_layout(&info, None) }
             .map_err(vulkan("vkCreatePipelineLayout"))?;
         pipeline.handle = pipeline.build(pass, desc)?;
-        context.name(pipeline.handle, desc.name);
+        context.name(pipeline.handle, desc.shader.name);
         Ok(pipeline)
     }
 
     fn build(&self, pass: &RenderPass, desc: &RasterDesc<'_>) -> Result<vk::Pipeline> {
         let device = self.context.device();
-        let vertex = shader_module(&self.context, desc.name, desc.vertex_spirv)?;
-        let fragment = match shader_module(&self.context, desc.name, desc.fragment_spirv) {
+        let vertex = shader_module(&self.context, desc.shader.name, desc.shader.vertex_spirv)?;
+        let fragment = match shader_module(&self.context, desc.shader.name, desc.shader.fragment_spirv) {
             Ok(module) => module,
             Err(error) => {
                 // SAFETY: nothing uses the module.
@@ -223,14 +228,15 @@ impl RasterPipeline {
                     .offset(a.offset_bytes)
             })
             .collect();
-        let input = vk::PipelineVertexInputStateCreateInfo::default()
-            .vertex_binding_descriptions(&bindings)
-            .vertex_attribute_descriptions(&attributes);
+        let mut input = vk::PipelineVertexInputStateCreateInfo::default();
+        if !attributes.is_empty() {
+            input = input.vertex_binding_descriptions(&bindings).vertex_attribute_descriptions(&attributes);
+        }
         let assembly =
             vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
-            .cull_mode(vk::CullModeFlags::NONE)
+            .cull_mode(if desc.cull_back { vk::CullModeFlags::BACK } else { vk::CullModeFlags::NONE })
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
             .line_width(1.0);
         let samples =
@@ -270,28 +276,50 @@ impl RasterPipeline {
     }
 }
 
+impl Bindable for RasterPipeline {
+    fn name(&self) -> &'static str {
+        self.shader.name
+    }
+
+    fn bindings(&self) -> &'static [BindingKind] {
+        self.shader.bindings
+    }
+
+    fn set_layout(&self) -> vk::DescriptorSetLayout {
+        self.set_layout
+    }
+}
+
 impl Drop for RasterPipeline {
     fn drop(&mut self) {
-        let no_sets = vk::DescriptorSetLayout::null();
-        self.context.bury(Garbage::Pipeline(self.handle, self.layout, no_sets));
+        self.context.bury(Garbage::Pipeline(self.handle, self.layout, self.set_layout));
     }
 }
 
 impl Recorder<'_> {
-    /// Records one render pass that draws `geometry` into `target`, cleared to zero and the far depth first.
+    /// Records one render pass that makes all of `draws` into `target`, cleared to zero and the far depth first.
     pub(crate) fn draw<P: bytemuck::NoUninit>(
         &mut self,
         pass: &RenderPass,
         target: &Framebuffer,
         pipeline: &RasterPipeline,
-        geometry: &Geometry<'_>,
-        push: &P,
+        geometry: Option<&Geometry<'_>>,
+        draws: &[Draw<'_, P>],
     ) {
-        let Geometry { vertices, indices, index_count } = *geometry;
-        let push = bytemuck::bytes_of(push);
-        debug_assert_eq!(push.len(), pipeline.push_bytes as usize, "push constants of {}", pipeline.name);
-        let mut uses = vec![Use::Buffer(vertices, Access::VertexInput), Use::Buffer(indices, Access::VertexInput)];
+        let bytes = pipeline.shader.push_bytes as usize;
+        debug_assert_eq!(size_of::<P>(), bytes, "push constants of {}", pipeline.shader.name);
+        let mut uses = Vec::with_capacity(8);
+        if let Some(geometry) = geometry {
+            uses.push(Use::Buffer(geometry.vertices, Access::VertexInput));
+            uses.push(Use::Buffer(geometry.indices, Access::VertexInput));
+        }
         uses.extend(target.images.iter().zip(&pass.attachments).map(|(image, a)| Use::Image(image, a.access())));
+        for one in draws.iter().filter_map(|draw| draw.set).flat_map(BindingSet::uses) {
+            // Draws share some of their resources.
+            if !uses.iter().any(|other| other.same(&one)) {
+                uses.push(one);
+            }
+        }
         let clears: Vec<_> = pass
             .attachments
             .iter()
@@ -312,7 +340,7 @@ impl Recorder<'_> {
             min_depth: 0.0,
             max_depth: 1.0,
         };
-        self.pass(pipeline.name, &uses, |device, commands| {
+        self.pass(pipeline.shader.name, &uses, |device, commands| {
             let begin = vk::RenderPassBeginInfo::default()
                 .render_pass(pass.handle)
                 .framebuffer(target.handle)
@@ -324,12 +352,24 @@ impl Recorder<'_> {
             unsafe {
                 device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
                 device.cmd_bind_pipeline(commands, point, pipeline.handle);
-                device.cmd_push_constants(commands, pipeline.layout, STAGES, 0, push);
                 device.cmd_set_viewport(commands, 0, &[viewport]);
                 device.cmd_set_scissor(commands, 0, &[area]);
-                device.cmd_bind_vertex_buffers(commands, 0, &[vertices.handle()], &[0]);
-                device.cmd_bind_index_buffer(commands, indices.handle(), 0, vk::IndexType::UINT32);
-                device.cmd_draw_indexed(commands, index_count, 1, 0, 0, 0);
+                if let Some(geometry) = geometry {
+                    device.cmd_bind_vertex_buffers(commands, 0, &[geometry.vertices.handle()], &[0]);
+                    device.cmd_bind_index_buffer(commands, geometry.indices.handle(), 0, vk::IndexType::UINT32);
+                }
+                for Draw { set, push, range } in draws {
+                    device.cmd_push_constants(commands, pipeline.layout, STAGES, 0, bytemuck::bytes_of(push));
+                    if let Some(set) = set {
+                        device.cmd_bind_descriptor_sets(commands, point, pipeline.layout, 0, &[set.set], &[]);
+                    }
+                    let count = range.len() as u32;
+                    if geometry.is_some() {
+                        device.cmd_draw_indexed(commands, count, 1, range.start, 0, 0);
+                    } else {
+                        device.cmd_draw(commands, count, 1, range.start, 0);
+                    }
+                }
                 device.cmd_end_render_pass(commands);
             }
         });

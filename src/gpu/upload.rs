@@ -2,14 +2,20 @@
 
 use super::context::Context;
 use super::memory::{Buffer, Image};
-use super::pipeline::Bound;
 use super::recorder::Recorder;
 use crate::{Error, Result};
+use std::ops::Range;
 
 /// Copies that wait to be recorded.
 #[derive(Default)]
 pub struct Uploads {
-    pending: Vec<(Buffer, Bound)>,
+    pending: Vec<(Buffer, Target)>,
+}
+
+enum Target {
+    Buffer(Buffer),
+    Image(Image),
+    Slices(Image, Range<u32>),
 }
 
 impl Uploads {
@@ -21,7 +27,7 @@ impl Uploads {
         if data.len() as u64 > to.bytes() {
             return Err(Error::parameter("uploaded bytes", data.len(), format!("at most {}", to.bytes())));
         }
-        self.pending.push((Buffer::upload(context, "staging", data)?, Bound::from(to)));
+        self.pending.push((Buffer::upload(context, "staging", data)?, Target::Buffer(to.clone())));
         Ok(())
     }
 
@@ -34,7 +40,26 @@ impl Uploads {
         if data.len() as u64 != bytes {
             return Err(Error::parameter("uploaded bytes", data.len(), format!("{bytes}, the image's texels")));
         }
-        self.pending.push((Buffer::upload(context, "staging", data)?, Bound::from(to)));
+        self.pending.push((Buffer::upload(context, "staging", data)?, Target::Image(to.clone())));
+        Ok(())
+    }
+
+    /// Stages the tightly packed texels of some slices of a 3D image.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when the image has no such slices or the data is not theirs, and those of
+    /// [`Buffer::upload`].
+    pub fn slices(&mut self, context: &Context, to: &Image, slices: Range<u32>, data: &[u8]) -> Result<()> {
+        let [width, height, depth] = to.size_px();
+        if slices.is_empty() || slices.end > depth {
+            let allowed = format!("some of the image's {depth} slices");
+            return Err(Error::parameter("uploaded slices", format!("{slices:?}"), allowed));
+        }
+        let bytes = u64::from(width) * u64::from(height) * slices.len() as u64 * to.texel_bytes();
+        if data.len() as u64 != bytes {
+            return Err(Error::parameter("uploaded bytes", data.len(), format!("{bytes}, the slices' texels")));
+        }
+        self.pending.push((Buffer::upload(context, "staging", data)?, Target::Slices(to.clone(), slices)));
         Ok(())
     }
 
@@ -42,8 +67,9 @@ impl Uploads {
     pub fn record(&mut self, recorder: &mut Recorder<'_>) {
         for (from, to) in self.pending.drain(..) {
             match &to {
-                Bound::Buffer(to) => recorder.copy_buffer("upload", &from, to),
-                Bound::Image(to) => recorder.upload_image("upload", &from, to),
+                Target::Buffer(to) => recorder.copy_buffer("upload", &from, to),
+                Target::Image(to) => recorder.upload_image("upload", &from, to),
+                Target::Slices(to, slices) => recorder.upload_slices("upload", &from, to, slices.clone()),
             }
         }
     }

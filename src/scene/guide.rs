@@ -3,16 +3,21 @@
 //! Techniques read its images: shade decides which paint goes where, the ID which pixels are painted at all and with
 //! which strip. The oracle is [`super::GuideOracle`].
 
-use super::{Camera, Lights, Mesh};
+use super::{Camera, Lights, Mesh, Solid};
 use crate::gpu::{
-    Attachment, Buffer, BufferKind, Context, Framebuffer, Geometry, Image, ImageDesc, RasterDesc, RasterPipeline,
-    Recorder, RenderPass, Uploads, VertexAttribute,
+    Attachment, Buffer, BufferKind, Context, Draw, Framebuffer, Geometry, Image, ImageDesc, RasterDesc, RasterPipeline,
+    RasterShader, Recorder, RenderPass, Uploads, VertexAttribute,
 };
 use crate::Result;
 use ash::vk;
 
-pub(crate) const GUIDE_VERTEX: &[u8] = include_bytes!("../../glsl/spirv/scene/guide.vert.spv");
-pub(crate) const GUIDE_FRAGMENT: &[u8] = include_bytes!("../../glsl/spirv/scene/guide.frag.spv");
+pub(crate) const GUIDE: RasterShader = RasterShader {
+    name: "guide",
+    vertex_spirv: include_bytes!("../../glsl/spirv/scene/guide.vert.spv"),
+    fragment_spirv: include_bytes!("../../glsl/spirv/scene/guide.frag.spv"),
+    bindings: &[],
+    push_bytes: size_of::<Push>() as u32,
+};
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -34,7 +39,9 @@ struct Push {
 pub struct GuidePass {
     pass: RenderPass,
     target: Framebuffer,
-    pipeline: RasterPipeline,
+    /// Draws all faces, and only those that show their front.
+    pipelines: [RasterPipeline; 2],
+    solid: Solid,
     vertices: Buffer,
     indices: Buffer,
     index_count: u32,
@@ -66,19 +73,20 @@ impl GuidePass {
         let pass = RenderPass::new(context, "guide", &attachments)?;
         let target = Framebuffer::new(context, &pass, &[&shade, &id, &depth])?;
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
-        let desc = RasterDesc {
-            name: "guide",
-            vertex_spirv: GUIDE_VERTEX,
-            fragment_spirv: GUIDE_FRAGMENT,
-            vertex_bytes: size_of::<Vertex>() as u32,
-            attributes: &[
-                attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
-                attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
-                attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, id)),
-            ],
-            push_bytes: size_of::<Push>() as u32,
+        let pipeline = |cull_back| {
+            let desc = RasterDesc {
+                shader: GUIDE,
+                vertex_bytes: size_of::<Vertex>() as u32,
+                attributes: &[
+                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
+                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
+                    attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, id)),
+                ],
+                cull_back,
+            };
+            RasterPipeline::new(context, &pass, &desc)
         };
-        let pipeline = RasterPipeline::new(context, &pass, &desc)?;
+        let pipelines = [pipeline(false)?, pipeline(true)?];
         let data: Vec<Vertex> = mesh
             .positions()
             .iter()
@@ -86,16 +94,11 @@ impl GuidePass {
             .zip(mesh.object_of_vertex())
             .map(|((&position, &normal), object)| Vertex { position, normal, id: object + 1 })
             .collect();
-        let geometry = |name, data: &[u8], uploads: &mut Uploads| {
-            let buffer = Buffer::new(context, name, BufferKind::Geometry, data.len() as u64)?;
-            uploads.buffer(context, &buffer, data)?;
-            Ok::<_, crate::Error>(buffer)
-        };
-        let vertices = geometry("mesh vertices", bytemuck::cast_slice(&data), uploads)?;
-        let indices = geometry("mesh indices", bytemuck::cast_slice(mesh.indices()), uploads)?;
+        let (vertices, indices) = upload_geometry(context, uploads, &data, mesh.indices())?;
         let index_count = mesh.indices().len() as u32;
         let object_count = mesh.objects().len();
-        Ok(GuidePass { pass, target, pipeline, vertices, indices, index_count, object_count, shade, id, depth })
+        let solid = Solid::new(mesh);
+        Ok(GuidePass { pass, target, pipelines, solid, vertices, indices, index_count, object_count, shade, id, depth })
     }
 
     /// Records the pass.
@@ -109,8 +112,10 @@ impl GuidePass {
             view_projection: view_projection.to_cols_array(),
             light: lights.mean_direction().extend(0.0).to_array(),
         };
-        let geometry = Geometry { vertices: &self.vertices, indices: &self.indices, index_count: self.index_count };
-        recorder.draw(&self.pass, &self.target, &self.pipeline, &geometry, &push);
+        let geometry = Geometry { vertices: &self.vertices, indices: &self.indices };
+        let draw = Draw { set: None, push, range: 0..self.index_count };
+        let pipeline = &self.pipelines[usize::from(self.solid.hides_back_faces(camera))];
+        recorder.draw(&self.pass, &self.target, pipeline, Some(&geometry), &[draw]);
         Ok(())
     }
 
@@ -133,4 +138,22 @@ impl GuidePass {
     pub fn depth(&self) -> &Image {
         &self.depth
     }
+}
+
+/// Vertices and indices on their way to the device.
+pub(crate) fn upload_geometry<V: bytemuck::NoUninit>(
+    context: &Context,
+    uploads: &mut Uploads,
+    vertices: &[V],
+    indices: &[u32],
+) -> Result<(Buffer, Buffer)> {
+    let mut buffer = |name, data: &[u8]| {
+        let buffer = Buffer::new(context, name, BufferKind::Geometry, data.len() as u64)?;
+        uploads.buffer(context, &buffer, data)?;
+        Ok::<_, crate::Error>(buffer)
+    };
+    Ok((
+        buffer("mesh vertices", bytemuck::cast_slice(vertices))?,
+        buffer("mesh indices", bytemuck::cast_slice(indices))?,
+    ))
 }

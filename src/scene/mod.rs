@@ -36,14 +36,17 @@ mod normals;
 mod obj;
 mod obj_lines;
 mod polygon;
+mod solid;
 mod warning;
 
 pub use camera::{Camera, DEFAULT_FOV_Y_DEG};
 pub use framing::Framing;
 pub use glam::{Mat4, Vec3};
 pub use guide::GuidePass;
+pub(crate) use guide::{upload_geometry, GUIDE};
 pub use guide_oracle::{Guide, GuideOracle, MAX_GUIDE_SIDE_PX};
 pub use light::{DirectionalLight, Lights, MAX_LIGHTS};
 pub use mesh::{BoundingSphere, Loaded, Mesh, MeshOptions, Object, MAX_OBJECTS};
 pub use obj::{MAX_FILE_BYTES, MAX_TRIANGLES, MAX_VERTICES};
+pub(crate) use solid::Solid;
 pub use warning::MeshWarning;

@@ -14,3 +14,4 @@ pub mod quilt;
 pub mod quilt_oracle;
 pub mod tile_mask;
 pub mod tile_oracle;
+pub(crate) mod volume;

@@ -385,6 +385,11 @@ impl Quilt {
         &self.source
     }
 
+    /// What guides it.
+    pub(crate) fn guide(&self) -> Option<&Image> {
+        self.guide.as_ref().map(|guide| &guide.image)
+    }
+
     /// The grid of blocks.
     pub fn layout(&self) -> &Layout {
         &self.layout

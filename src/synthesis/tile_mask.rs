@@ -39,12 +39,19 @@ impl TileMask {
         }
         let desc = ImageDesc::storage_2d(size.0, size.1, vk::Format::R32_UINT);
         let picture = Image::new(context, "tile picture", &desc)?;
+        uploads.image(context, &picture, bytemuck::cast_slice(pixels))?;
+        Self::of_image(context, uploads, &picture)
+    }
+
+    /// Prepares to make a picture on the device tileable: R32_UINT, red in the low byte.
+    pub(crate) fn of_image(context: &Context, uploads: &mut Uploads, picture: &Image) -> Result<Self> {
+        let [width, height, _] = picture.size_px();
+        let desc = ImageDesc::storage_2d(width, height, vk::Format::R32_UINT);
         let mask = Image::new(context, "tile mask", &desc)?;
         let tileable = Image::new(context, "tileable picture", &desc)?;
-        uploads.image(context, &picture, bytemuck::cast_slice(pixels))?;
-        uploads.image(context, &mask, bytemuck::cast_slice(&circular_mask(size)))?;
+        uploads.image(context, &mask, bytemuck::cast_slice(&circular_mask((width, height))))?;
         let pipeline = ComputePipeline::new(context, &TILE_MASK)?;
-        let set = BindingSet::new(context, &pipeline, &[(&picture).into(), (&mask).into(), (&tileable).into()])?;
+        let set = BindingSet::new(context, &pipeline, &[picture.into(), (&mask).into(), (&tileable).into()])?;
         Ok(TileMask { pipeline, set, tileable })
     }
 

@@ -73,8 +73,9 @@ pub(crate) const IMAGE_RECOMBINE: Shader = Shader {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct GuidePush {
-    levels: u32,
+pub(super) struct GuidePush {
+    /// 1 to spread the range of the buffer of levels.
+    pub levels: u32,
 }
 
 #[repr(C)]

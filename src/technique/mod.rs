@@ -15,8 +15,12 @@ pub mod dependent;
 pub mod image;
 pub mod object;
 
+mod colors;
+
+use crate::gpu::{Context, Image, ImageDesc, Uploads};
 use crate::paint::{TextureDifference, Trajectory};
 use crate::{Error, Result};
+use ash::vk;
 
 /// Paints and objects are numbered in 16 bits, 0 being the background.
 const MAX_PAINTS: usize = 65_535;
@@ -40,6 +44,66 @@ pub enum Show {
     Color,
     /// The texture difference alone, [-1, 1] mapped to [0, 1].
     Texture,
+}
+
+/// The range of shade that is spread over a whole strip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShadeRange {
+    /// The shade that takes the strip's dark end, 0 to 1.
+    pub low: f32,
+    /// The shade that takes its light end; anything but more than `low` leaves shades as they are.
+    pub high: f32,
+}
+
+impl Default for ShadeRange {
+    /// All of it: the thesis's plain mapping.
+    fn default() -> Self {
+        ShadeRange { low: 0.0, high: 1.0 }
+    }
+}
+
+impl ShadeRange {
+    /// The range of shade of a guide, less half a percent of its pixels at each end, in steps of 1/1023: what
+    /// [`image::ImageParams::levels`] spreads. `shade` and `id` are texels of the guide's images. All of it where there
+    /// is no pixel.
+    pub fn of_guide(shade: &[f32], id: &[u32]) -> Self {
+        let mut bins = [0u64; 1024];
+        for (shade, _) in shade.iter().zip(id).filter(|(_, id)| **id != 0) {
+            bins[(shade.clamp(0.0, 1.0) * 1023.0 + 0.5) as usize] += 1;
+        }
+        let total: u64 = bins.iter().sum();
+        if total == 0 {
+            return Self::default();
+        }
+        // The first bin, counted from either end, with which more than the cut has been passed.
+        let place = |bin_at: &dyn Fn(usize) -> usize| {
+            let mut passed = 0;
+            let bin = (0..1024).map(bin_at).find(|&bin| {
+                passed += bins[bin];
+                passed > total / 200
+            });
+            bin.unwrap_or_default() as f32 / 1023.0
+        };
+        ShadeRange { low: place(&|i| i), high: place(&|i| 1023 - i) }
+    }
+
+    fn to_array(self) -> [f32; 2] {
+        [self.low, self.high]
+    }
+}
+
+/// Columns of the picture that holds the paint of each object, as in paint.glsl.
+const OBJECTS_ACROSS: usize = 1024;
+
+/// The paint of each object as a picture, R32_UINT, row by row: what fragment shaders can look up cheaply everywhere.
+fn paint_picture(context: &Context, uploads: &mut Uploads, paint_of_object: &[u32]) -> Result<Image> {
+    let rows = paint_of_object.len().div_ceil(OBJECTS_ACROSS).max(1);
+    let desc = ImageDesc::storage_2d(OBJECTS_ACROSS as u32, rows as u32, vk::Format::R32_UINT);
+    let picture = Image::new(context, "paint of object", &desc)?;
+    let mut texels = paint_of_object.to_vec();
+    texels.resize(rows * OBJECTS_ACROSS, 0);
+    uploads.image(context, &picture, bytemuck::cast_slice(&texels))?;
+    Ok(picture)
 }
 
 /// Checks how many paints there are, and that every object has one of them.

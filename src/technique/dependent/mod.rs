@@ -1,4 +1,467 @@
-//! View-dependent interpolation (thesis chapter 8).
+//! View-dependent interpolation (thesis chapter 8): important views have textures of their own, all others blend them.
+//!
+//! Prepared once: [`ViewCoverage`] draws the model from the important views and finds out which faces each of them shows
+//! whole, with further views until every face is shown by some; [`DependentTechnique`] then synthesises a texture for each
+//! view by guided quilting, as the image-based technique does for a picture, and stacks them into one 3D image. A face's
+//! place in a slice is where the slice's view shows it. Drawn for every frame: which slices each face takes, and one
+//! render pass over the mesh.
+//!
+//! At most [`MAX_BLENDED`] slices are blended for a face ([`blend_weights`]), with the contrast given back that averaging
+//! takes, as in [`super::aligned`].
 
 mod blend;
 mod coverage;
+mod faces;
+mod geometry;
+mod views;
+
+pub use blend::{blend_weights, MAX_BLENDED};
+pub use coverage::{default_views, Coverage, CoverageReport, Covered, Round, Slice, View, MAX_SLICES};
+pub use views::ViewCoverage;
+
+use super::colors::ColorTable;
+use super::image::{GuidePush, IMAGE_GUIDE};
+use super::{check_paints, Paint, ShadeRange, Show};
+use crate::gpu::{
+    Access, Attachment, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Draw, Framebuffer,
+    Geometry, Image, ImageDesc, RasterDesc, RasterPipeline, RasterShader, Recorder, RenderPass, Sampler, Shader,
+    Uploads, VertexAttribute,
+};
+use crate::paint::Trajectory;
+use crate::scene::{upload_geometry, Camera, Lights, Mesh, Solid, Vec3};
+use crate::synthesis::params::QuiltParams;
+use crate::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
+use crate::synthesis::volume::{SliceCopy, Volume};
+use crate::technique::image::ImageParams;
+use crate::{Error, Result};
+use ash::vk;
+use faces::FacePass;
+pub(crate) use faces::FACES;
+use geometry::{face_vertices, Vertex};
+use std::ops::Range;
+use std::sync::Arc;
+
+pub(crate) const DEPENDENT_BLEND: Shader = Shader {
+    name: "dependent_blend",
+    spirv: include_bytes!("../../../glsl/spirv/technique/dependent_blend.comp.spv"),
+    bindings: &[
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<BlendPush>() as u32,
+};
+
+pub(crate) const DEPENDENT: RasterShader = RasterShader {
+    name: "dependent",
+    vertex_spirv: include_bytes!("../../../glsl/spirv/technique/dependent.vert.spv"),
+    fragment_spirv: include_bytes!("../../../glsl/spirv/technique/dependent.frag.spv"),
+    bindings: &[
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Sampled(Access::FragmentSampled),
+        BindingKind::Sampled(Access::FragmentSampled),
+    ],
+    push_bytes: size_of::<Push>() as u32,
+};
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct BlendPush {
+    direction: [f32; 4],
+    sets: u32,
+    keep_contrast: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Push {
+    view_projection: [f32; 16],
+    light: [f32; 4],
+    range: [f32; 2],
+    slices: u32,
+    show: u32,
+}
+
+/// Sets of slices in a row of the picture of blends, as in dependent.frag.
+const SETS_ACROSS: u32 = 1024;
+
+/// How the views' textures are synthesised, and how they are blended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DependentParams {
+    /// How to quilt; `tileable` must be false.
+    pub quilt: QuiltParams,
+    /// How far a block's place in the strip may be from its shade's, as [`ImageParams::k`].
+    pub k: Option<f32>,
+    /// Give back the contrast that blending takes. Off is the plain weighted mean.
+    pub keep_contrast: bool,
+    /// The range of shade that is spread over the strip.
+    pub range: ShadeRange,
+}
+
+impl Default for DependentParams {
+    fn default() -> Self {
+        DependentParams { quilt: QuiltParams::default(), k: None, keep_contrast: true, range: ShadeRange::default() }
+    }
+}
+
+/// A part of the preparation, small enough for one submission.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ViewPart {
+    slice: usize,
+    step: ViewStep,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum ViewStep {
+    /// Draw what the view sees.
+    Guide,
+    /// Some steps of a paint's quilting.
+    Quilt(usize, Range<usize>),
+    /// Put all paints into the slice.
+    Copy,
+}
+
+/// What only the preparation needs.
+struct Preparation {
+    faces: FacePass,
+    /// Where each slice's faces lie in the pass's list.
+    lists: Vec<Range<u32>>,
+    cameras: Vec<Camera>,
+    lights: Lights,
+    guide_stage: ComputePipeline,
+    guide_set: BindingSet,
+    quilts: Vec<Quilt>,
+    /// For each slice, a copy for each paint.
+    copies: Vec<Vec<SliceCopy>>,
+}
+
+/// The technique, prepared for a mesh, its views and its paints.
+pub struct DependentTechnique {
+    params: DependentParams,
+    preparation: Option<Preparation>,
+    volume: Volume,
+    colors: ColorTable,
+    center: Vec3,
+    sets: u32,
+    blend_stage: ComputePipeline,
+    blend_set: BindingSet,
+    solid: Solid,
+    vertices: Buffer,
+    indices: Buffer,
+    index_count: u32,
+    pass: RenderPass,
+    target: Framebuffer,
+    /// Draw all faces, and only those that show their front.
+    pipelines: [RasterPipeline; 2],
+    set: BindingSet,
+    frame: Image,
+}
+
+impl DependentTechnique {
+    /// Prepares to paint `mesh` at `size` = (width, height) pixels, with a texture of `view_px` pixels a side for every
+    /// slice of `covered`, synthesised for the shades that `lights` give. Object i is painted with
+    /// `paints[paint_of_object[i]]`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for parameters out of range, a tileable quilting, a strip smaller than a block, no paint, or
+    /// an object without one; [`Error::Device`] when the device's 3D images are too small; [`Error::Memory`] when the
+    /// budget does not allow it.
+    #[allow(clippy::too_many_arguments)] // the device, the scene, the paints, the way
+    pub fn new(
+        context: &Context,
+        uploads: &mut Uploads,
+        stages: &Arc<QuiltStages>,
+        mesh: &Mesh,
+        lights: &Lights,
+        covered: &Covered,
+        view_px: u32,
+        size: (u32, u32),
+        paints: &[Paint<'_>],
+        paint_of_object: &[u32],
+        params: &DependentParams,
+    ) -> Result<Self> {
+        check_paints(paints.len(), paint_of_object, mesh.objects().len())?;
+        if params.quilt.tileable {
+            return Err(Error::parameter("tileable", true, "false for a view's texture: a view does not repeat"));
+        }
+        let slices = covered.slices.len() as u32;
+        let volume = Volume::new(context, "views", (view_px, view_px), slices)?;
+        let preparation = Preparation::new(
+            context,
+            uploads,
+            stages,
+            mesh,
+            lights,
+            covered,
+            view_px,
+            &volume,
+            paints,
+            paint_of_object,
+            params,
+        )?;
+        let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
+
+        // The slices of every set, one list after the other, and the slices' directions and projections.
+        let mut starts = vec![0u32];
+        let mut lists: Vec<u32> = Vec::new();
+        for set in &covered.sets {
+            lists.extend(set.iter().map(|&slice| u32::from(slice)));
+            starts.push(lists.len() as u32);
+        }
+        let directions: Vec<[f32; 4]> =
+            covered.slices.iter().map(|slice| slice.direction.extend(0.0).to_array()).collect();
+        let mut rows: Vec<[f32; 4]> = Vec::with_capacity(3 * covered.slices.len());
+        for slice in &covered.slices {
+            let projection = slice.camera.view_projection(1.0)?;
+            rows.extend([0, 1, 3].map(|row| projection.row(row).to_array()));
+        }
+        let mut storage = |name, data: &[u8]| {
+            let buffer = Buffer::new(context, name, BufferKind::Storage, data.len() as u64)?;
+            uploads.buffer(context, &buffer, data)?;
+            Ok::<_, Error>(buffer)
+        };
+        let starts = storage("starts of sets", bytemuck::cast_slice(&starts))?;
+        let lists = storage("slices of sets", bytemuck::cast_slice(&lists))?;
+        let directions = storage("directions of slices", bytemuck::cast_slice(&directions))?;
+        let sets = covered.sets.len() as u32;
+        let texels = vk::Format::R32G32B32A32_SFLOAT;
+        let desc = ImageDesc::storage_2d(SETS_ACROSS, 2 * sets.div_ceil(SETS_ACROSS), texels);
+        let blends = Image::new(context, "blends of sets", &desc)?;
+        let projections = Image::new(context, "projections", &ImageDesc::storage_2d(3, slices, texels))?;
+        uploads.image(context, &projections, bytemuck::cast_slice(&rows))?;
+        let blend_stage = ComputePipeline::new(context, &DEPENDENT_BLEND)?;
+        let bound = [(&starts).into(), (&lists).into(), (&directions).into(), (&blends).into()];
+        let blend_set = BindingSet::new(context, &blend_stage, &bound)?;
+
+        let frame = Image::new(context, "dependent frame", &ImageDesc::frame(size.0, size.1))?;
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let desc = ImageDesc { size_px: [size.0, size.1, 1], format: context.caps().depth_format, usage };
+        let depth = Image::new(context, "dependent depth", &desc)?;
+        let attachments =
+            [Attachment { format: frame.format(), depth: false }, Attachment { format: depth.format(), depth: true }];
+        let pass = RenderPass::new(context, "dependent", &attachments)?;
+        let target = Framebuffer::new(context, &pass, &[&frame, &depth])?;
+        let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
+        let pipeline = |cull_back| {
+            let desc = RasterDesc {
+                shader: DEPENDENT,
+                vertex_bytes: size_of::<Vertex>() as u32,
+                attributes: &[
+                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
+                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
+                    attribute(vk::Format::R32G32_UINT, std::mem::offset_of!(Vertex, set_and_paint)),
+                ],
+                cull_back,
+            };
+            RasterPipeline::new(context, &pass, &desc)
+        };
+        let pipelines = [pipeline(false)?, pipeline(true)?];
+        let (data, list) = face_vertices(mesh, &covered.set_of_face, paint_of_object);
+        let (vertices, indices) = upload_geometry(context, uploads, &data, &list)?;
+        let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
+        let bound = [(&blends).into(), (&projections).into(), (volume.image(), &sampler).into(), colors.bound().into()];
+        let set = BindingSet::new(context, &pipelines[0], &bound)?;
+        Ok(DependentTechnique {
+            params: *params,
+            preparation: Some(preparation),
+            volume,
+            colors,
+            center: mesh.bounding_sphere().center,
+            sets,
+            blend_stage,
+            blend_set,
+            solid: Solid::new(mesh),
+            vertices,
+            indices,
+            index_count: list.len() as u32,
+            pass,
+            target,
+            pipelines,
+            set,
+            frame,
+        })
+    }
+
+    /// Cuts the preparation into parts of at most about `comparisons` pixel comparisons, to be submitted one by one, in
+    /// order.
+    pub fn preparation_parts(&self, comparisons: u64) -> Vec<ViewPart> {
+        let Some(preparation) = &self.preparation else { return Vec::new() };
+        let mut parts = Vec::new();
+        for slice in 0..preparation.cameras.len() {
+            parts.push(ViewPart { slice, step: ViewStep::Guide });
+            for (paint, quilt) in preparation.quilts.iter().enumerate() {
+                let steps = quilt.parts(comparisons).into_iter().map(|steps| ViewStep::Quilt(paint, steps));
+                parts.extend(steps.map(|step| ViewPart { slice, step }));
+            }
+            parts.push(ViewPart { slice, step: ViewStep::Copy });
+        }
+        parts
+    }
+
+    /// Records a part of the preparation. `seed` enters the random choices.
+    ///
+    /// # Errors
+    /// None for parts of [`DependentTechnique::preparation_parts`].
+    pub fn record_preparation(&self, recorder: &mut Recorder<'_>, part: &ViewPart, seed: u32) -> Result<()> {
+        let Some(preparation) = &self.preparation else { return Ok(()) };
+        let slice = part.slice;
+        let (Some(camera), Some(list)) = (preparation.cameras.get(slice), preparation.lists.get(slice)) else {
+            return Ok(());
+        };
+        match &part.step {
+            ViewStep::Guide => {
+                let faces = &preparation.faces;
+                faces.record(recorder, camera, &preparation.lights, list.clone())?;
+                let [width, height, _] = faces.shade.size_px();
+                let groups = [width.div_ceil(16), height.div_ceil(8), 1];
+                let push = GuidePush { levels: 1 };
+                recorder.dispatch(&preparation.guide_stage, &preparation.guide_set, &push, groups);
+            }
+            ViewStep::Quilt(paint, steps) => {
+                if let Some(quilt) = preparation.quilts.get(*paint) {
+                    // The slice's number takes the frame's place in the random choices.
+                    quilt.record_part(recorder, steps.clone(), seed, slice as u32);
+                }
+            }
+            ViewStep::Copy => {
+                // The copies of other paints keep what those before have written: in order, a pass each.
+                for copy in preparation.copies.get(slice).into_iter().flatten() {
+                    self.volume.record(recorder, copy);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets go of what only the preparation needs, once all of it is recorded.
+    pub fn finish_preparation(&mut self) {
+        self.preparation = None;
+    }
+
+    /// Records a frame.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
+    pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, lights: &Lights, show: Show) -> Result<()> {
+        let [width, height, _] = self.frame.size_px();
+        let view_projection = camera.view_projection(width as f32 / height as f32)?.to_cols_array();
+        // An eye at the very middle of the model has no direction but the one that it looks along.
+        let direction = (camera.eye() - self.center).try_normalize().unwrap_or(-camera.forward());
+        let push = BlendPush {
+            direction: direction.extend(0.0).to_array(),
+            sets: self.sets,
+            keep_contrast: u32::from(self.params.keep_contrast),
+        };
+        recorder.dispatch(&self.blend_stage, &self.blend_set, &push, [self.sets.div_ceil(64), 1, 1]);
+        let push = Push {
+            view_projection,
+            light: lights.mean_direction().extend(0.0).to_array(),
+            range: self.params.range.to_array(),
+            slices: self.volume.image().size_px()[2],
+            show: show as u32,
+        };
+        let draw = Draw { set: Some(&self.set), push, range: 0..self.index_count };
+        let geometry = Geometry { vertices: &self.vertices, indices: &self.indices };
+        let pipeline = &self.pipelines[usize::from(self.solid.hides_back_faces(camera))];
+        recorder.draw(&self.pass, &self.target, pipeline, Some(&geometry), &[draw]);
+        Ok(())
+    }
+
+    /// Stages other colours for one of the paints. Texture stays as it is.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when there is no such paint, [`Error::Memory`] when the budget does not allow it.
+    pub fn set_trajectory(
+        &mut self,
+        context: &Context,
+        uploads: &mut Uploads,
+        paint: usize,
+        trajectory: &Trajectory,
+    ) -> Result<()> {
+        self.colors.set(context, uploads, paint, trajectory)
+    }
+
+    /// The views' textures: R8G8B8A8_UNORM, 3D, a slice for each view (one more, empty, where there is only one), the
+    /// difference from [-1, 1] mapped to [0, 1].
+    pub fn slices(&self) -> &Image {
+        self.volume.image()
+    }
+
+    /// The guide of the slice that was prepared last, as [`QuiltGuide::image`]; `None` once the preparation is finished.
+    pub fn guide(&self) -> Option<&Image> {
+        self.preparation.as_ref().and_then(|preparation| preparation.quilts.first()).and_then(Quilt::guide)
+    }
+
+    /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
+    pub fn frame(&self) -> &Image {
+        &self.frame
+    }
+}
+
+impl Preparation {
+    #[allow(clippy::too_many_arguments)] // as DependentTechnique::new
+    fn new(
+        context: &Context,
+        uploads: &mut Uploads,
+        stages: &Arc<QuiltStages>,
+        mesh: &Mesh,
+        lights: &Lights,
+        covered: &Covered,
+        view_px: u32,
+        volume: &Volume,
+        paints: &[Paint<'_>],
+        paint_of_object: &[u32],
+        params: &DependentParams,
+    ) -> Result<Self> {
+        let lists = covered.slices.iter().flat_map(|slice| slice.faces.iter().copied());
+        let faces = FacePass::new(context, uploads, mesh, view_px, lists)?;
+        let mut end = 0;
+        let lists = covered.slices.iter().map(|slice| {
+            let begin = end;
+            end += slice.faces.len() as u32;
+            begin..end
+        });
+        let lists = lists.collect();
+        let image = |name, format| Image::new(context, name, &ImageDesc::storage_2d(view_px, view_px, format));
+        let tone = image("view tone", vk::Format::R32_SFLOAT)?;
+        let guide = image("view guide", vk::Format::R32_UINT)?;
+        let mut storage = |name, data: &[u8]| {
+            let buffer = Buffer::new(context, name, BufferKind::Storage, data.len() as u64)?;
+            uploads.buffer(context, &buffer, data)?;
+            Ok::<_, Error>(buffer)
+        };
+        let objects = storage("paint of object", bytemuck::cast_slice(paint_of_object))?;
+        let levels = storage("shade range", bytemuck::cast_slice(&params.range.to_array()))?;
+        let guide_stage = ComputePipeline::new(context, &IMAGE_GUIDE)?;
+        let bound = [
+            (&faces.shade).into(),
+            (&faces.id).into(),
+            (&objects).into(),
+            (&levels).into(),
+            (&tone).into(),
+            (&guide).into(),
+        ];
+        let guide_set = BindingSet::new(context, &guide_stage, &bound)?;
+        let window = ImageParams { quilt: params.quilt, k: params.k, levels: false };
+        let mut quilts = Vec::with_capacity(paints.len());
+        for (number, paint) in (1..).zip(paints) {
+            let size = (paint.texture.width(), paint.texture.height());
+            let sample = SampleTexels::new(context, uploads, &paint.texture.to_unorm8(), size)?;
+            let quilt_guide = QuiltGuide { image: guide.clone(), paint: number, window_px: window.window_px(size.0)? };
+            let output = (view_px, view_px);
+            quilts.push(Quilt::new(context, uploads, stages, &sample, output, &params.quilt, Some(quilt_guide))?);
+        }
+        let mut copies = Vec::with_capacity(covered.slices.len());
+        for slice in 0..covered.slices.len() as u32 {
+            let mut of_slice = Vec::with_capacity(quilts.len());
+            for (number, quilt) in (1..).zip(&quilts) {
+                of_slice.push(volume.copy_guided(context, quilt, &guide, number, slice, number == 1)?);
+            }
+            copies.push(of_slice);
+        }
+        let cameras = covered.slices.iter().map(|slice| slice.camera).collect();
+        Ok(Preparation { faces, lists, cameras, lights: lights.clone(), guide_stage, guide_set, quilts, copies })
+    }
+}

@@ -1,3 +1,269 @@
-//! Object-based texture mapping (thesis chapter 5).
+//! Object-based texture mapping (thesis chapter 5): the quickest technique, with paint that is pinned to the surface.
+//!
+//! Prepared once: a coordinate t for every vertex ([`texture_coordinates`]), spread over the surface from neighbour to
+//! neighbour, and the strip's texture, made to repeat along t. Drawn for every frame: one render pass over the mesh,
+//! with the light's shade as s; so lights may move, and marks stay on their lines of t.
+//!
+//! # Where the paint is lost, and what keeps it
+//!
+//! s and t place a point on the strip, and where they hardly change over the surface one texel spreads over all of it:
+//! on flat faces, which have one shade (figure 5.3), and where the light falls along the direction of t, so that s and t
+//! change together (figure 5.2). That is the thesis's failure; [`ObjectParams::keep_paint`] off shows it. With it on, each
+//! pixel compares the texels that the mapping spreads over a piece of surface with those that `repeats` asks for. Where
+//! it is less than a tenth, the texture is faded over to one that does not depend on the shade's slope: the strip laid
+//! on the three planes through the object's axes, with columns running to and fro in a window of an eighth of the strip
+//! around the pixel's shade. Colour comes from the shade in any case.
 
 mod coordinates;
+
+pub use coordinates::{density, texture_coordinates, CoordinateParams, Orientation, SeamPolicy};
+
+use super::colors::ColorTable;
+use super::{check_paints, Paint, ShadeRange, Show};
+use crate::gpu::{
+    Access, Attachment, BindingKind, BindingSet, Buffer, Context, Draw, Framebuffer, Geometry, Image, ImageDesc,
+    RasterDesc, RasterPipeline, RasterShader, Recorder, RenderPass, Sampler, Uploads, VertexAttribute,
+};
+use crate::paint::{TextureDifference, Trajectory};
+use crate::scene::{upload_geometry, Camera, Lights, Mesh, Solid};
+use crate::Result;
+use ash::vk;
+use half::f16;
+use std::ops::Range;
+
+pub(crate) const OBJECT: RasterShader = RasterShader {
+    name: "object",
+    vertex_spirv: include_bytes!("../../../glsl/spirv/technique/object.vert.spv"),
+    fragment_spirv: include_bytes!("../../../glsl/spirv/technique/object.frag.spv"),
+    bindings: &[BindingKind::Sampled(Access::FragmentSampled), BindingKind::Sampled(Access::FragmentSampled)],
+    push_bytes: size_of::<Push>() as u32,
+};
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Push {
+    view_projection: [f32; 16],
+    light: [f32; 4],
+    range: [f32; 2],
+    density: f32,
+    paint: u32,
+    show: u32,
+    keep_paint: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Vertex {
+    position: [f32; 3],
+    normal: [f32; 3],
+    t: f32,
+}
+
+/// How the strip goes on above and below itself, along t.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum StripRepeat {
+    /// Its upper edge is cut into its lower one, where the difference shows least
+    /// ([`TextureDifference::tileable_rows`]).
+    #[default]
+    Wrap,
+    /// Every other repeat is mirrored.
+    Mirror,
+}
+
+/// How to paint a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObjectParams {
+    /// How t is spread over the surface.
+    pub coordinates: CoordinateParams,
+    /// How the strip repeats along t.
+    pub repeat: StripRepeat,
+    /// Keep the paint visible where the mapping loses it; see the module's documentation. Off is the thesis's.
+    pub keep_paint: bool,
+}
+
+impl Default for ObjectParams {
+    fn default() -> Self {
+        ObjectParams { coordinates: CoordinateParams::default(), repeat: StripRepeat::default(), keep_paint: true }
+    }
+}
+
+/// The technique, prepared for a mesh and its paints.
+pub struct ObjectTechnique {
+    keep_paint: bool,
+    density: f32,
+    solid: Solid,
+    vertices: Buffer,
+    indices: Buffer,
+    colors: ColorTable,
+    /// The resources of each paint.
+    sets: Vec<BindingSet>,
+    /// Runs of indices with their paint.
+    runs: Vec<(Range<u32>, usize)>,
+    pass: RenderPass,
+    target: Framebuffer,
+    /// Draw all faces, and only those that show their front.
+    pipelines: [RasterPipeline; 2],
+    frame: Image,
+}
+
+impl ObjectTechnique {
+    /// Prepares to paint `mesh` at `size` = (width, height) pixels. Object i is painted with
+    /// `paints[paint_of_object[i]]`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] for parameters out of range, no paint, or an object without one;
+    /// [`crate::Error::Memory`] when the budget does not allow it.
+    pub fn new(
+        context: &Context,
+        uploads: &mut Uploads,
+        mesh: &Mesh,
+        size: (u32, u32),
+        paints: &[Paint<'_>],
+        paint_of_object: &[u32],
+        params: &ObjectParams,
+    ) -> Result<Self> {
+        check_paints(paints.len(), paint_of_object, mesh.objects().len())?;
+        let t = texture_coordinates(mesh, &params.coordinates)?;
+        let frame = Image::new(context, "object frame", &ImageDesc::frame(size.0, size.1))?;
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let desc = ImageDesc { size_px: [size.0, size.1, 1], format: context.caps().depth_format, usage };
+        let depth = Image::new(context, "object depth", &desc)?;
+        let attachments =
+            [Attachment { format: frame.format(), depth: false }, Attachment { format: depth.format(), depth: true }];
+        let pass = RenderPass::new(context, "object", &attachments)?;
+        let target = Framebuffer::new(context, &pass, &[&frame, &depth])?;
+        let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
+        let pipeline = |cull_back| {
+            let desc = RasterDesc {
+                shader: OBJECT,
+                vertex_bytes: size_of::<Vertex>() as u32,
+                attributes: &[
+                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
+                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
+                    attribute(vk::Format::R32_SFLOAT, std::mem::offset_of!(Vertex, t)),
+                ],
+                cull_back,
+            };
+            RasterPipeline::new(context, &pass, &desc)
+        };
+        let pipelines = [pipeline(false)?, pipeline(true)?];
+        let data: Vec<Vertex> = mesh
+            .positions()
+            .iter()
+            .zip(mesh.normals())
+            .zip(t)
+            .map(|((&position, &normal), t)| Vertex { position, normal, t })
+            .collect();
+        let (vertices, indices) = upload_geometry(context, uploads, &data, mesh.indices())?;
+        let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
+        let along = match params.repeat {
+            StripRepeat::Wrap => vk::SamplerAddressMode::REPEAT,
+            StripRepeat::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
+        };
+        let edge = vk::SamplerAddressMode::CLAMP_TO_EDGE;
+        let sampler = Sampler::linear(context, [edge, along, edge])?;
+        let mut sets = Vec::with_capacity(paints.len());
+        for paint in paints {
+            let strip = match params.repeat {
+                StripRepeat::Wrap => strip_image(context, uploads, &paint.texture.tileable_rows())?,
+                StripRepeat::Mirror => strip_image(context, uploads, paint.texture)?,
+            };
+            let bound = [(&strip, &sampler).into(), colors.bound().into()];
+            sets.push(BindingSet::new(context, &pipelines[0], &bound)?);
+        }
+        Ok(ObjectTechnique {
+            keep_paint: params.keep_paint,
+            density: density(mesh, &params.coordinates)?,
+            solid: Solid::new(mesh),
+            vertices,
+            indices,
+            colors,
+            sets,
+            runs: runs(mesh, paint_of_object),
+            pass,
+            target,
+            pipelines,
+            frame,
+        })
+    }
+
+    /// Records a frame.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
+    pub fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        camera: &Camera,
+        lights: &Lights,
+        range: ShadeRange,
+        show: Show,
+    ) -> Result<()> {
+        let [width, height, _] = self.frame.size_px();
+        let view_projection = camera.view_projection(width as f32 / height as f32)?.to_cols_array();
+        let light = lights.mean_direction().extend(0.0).to_array();
+        let draws: Vec<Draw<'_, Push>> = self
+            .runs
+            .iter()
+            .map(|(indices, paint)| Draw {
+                set: self.sets.get(*paint),
+                push: Push {
+                    view_projection,
+                    light,
+                    range: range.to_array(),
+                    density: self.density,
+                    paint: *paint as u32,
+                    show: show as u32,
+                    keep_paint: u32::from(self.keep_paint),
+                },
+                range: indices.clone(),
+            })
+            .collect();
+        let geometry = Geometry { vertices: &self.vertices, indices: &self.indices };
+        let pipeline = &self.pipelines[usize::from(self.solid.hides_back_faces(camera))];
+        recorder.draw(&self.pass, &self.target, pipeline, Some(&geometry), &draws);
+        Ok(())
+    }
+
+    /// Stages other colours for one of the paints. Texture stays as it is.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] when there is no such paint, [`crate::Error::Memory`] when the budget does not allow
+    /// it.
+    pub fn set_trajectory(
+        &mut self,
+        context: &Context,
+        uploads: &mut Uploads,
+        paint: usize,
+        trajectory: &Trajectory,
+    ) -> Result<()> {
+        self.colors.set(context, uploads, paint, trajectory)
+    }
+
+    /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
+    pub fn frame(&self) -> &Image {
+        &self.frame
+    }
+}
+
+/// The runs of indices that one paint covers: objects side by side with the same paint are one run.
+fn runs(mesh: &Mesh, paint_of_object: &[u32]) -> Vec<(Range<u32>, usize)> {
+    let mut runs: Vec<(Range<u32>, usize)> = Vec::new();
+    for (object, &paint) in mesh.objects().iter().zip(paint_of_object) {
+        let indices = object.first_index..object.first_index + object.index_count;
+        match runs.last_mut() {
+            Some((run, last)) if *last == paint as usize => run.end = indices.end,
+            _ => runs.push((indices, paint as usize)),
+        }
+    }
+    runs.retain(|(run, _)| !run.is_empty());
+    runs
+}
+
+fn strip_image(context: &Context, uploads: &mut Uploads, texture: &TextureDifference) -> Result<Image> {
+    let desc = ImageDesc::sampled([texture.width(), texture.height(), 1], vk::Format::R16G16B16A16_SFLOAT);
+    let image = Image::new(context, "strip", &desc)?;
+    let texels: Vec<[f16; 4]> = texture.pixels().iter().map(|&[r, g, b]| [r, g, b, 0.0].map(f16::from_f32)).collect();
+    uploads.image(context, &image, bytemuck::cast_slice(&texels))?;
+    Ok(image)
+}

@@ -1,0 +1,74 @@
+#version 450
+// Object-based texture mapping (thesis chapter 5): s is the shade, t the vertices' own coordinate.
+//
+// Where the surface is flat, or lit along the direction of t, the place on the strip hardly changes over the surface:
+// one texel spreads over all of it and the paint is lost (figures 5.2 and 5.3). With `keep_paint` such places take
+// their texture from three planes through the object instead, from the part of the strip around their shade.
+// In:  the strip's texture difference, which repeats along t; the paints' colours.  Out: frame.
+#extension GL_GOOGLE_include_directive : require
+#include "../scene/shade.glsl"
+#include "paint.glsl"
+
+layout(location = 0) in vec3 world_position;
+layout(location = 1) in vec3 world_normal;
+layout(location = 2) in float vertex_t;
+
+layout(binding = 0) uniform sampler2D strip;
+layout(binding = 1) uniform sampler2D colors;
+
+layout(push_constant) uniform Push {
+    mat4 view_projection;
+    vec4 light;
+    vec2 range;
+    // Repeats of the strip to a unit of the world.
+    float density;
+    uint paint;
+    uint show;
+    uint keep_paint;
+} push;
+
+layout(location = 0) out vec4 frame;
+
+// How far to each side of its shade a flat place takes texture from, as a part of the strip.
+const float WINDOW = 0.0625;
+// Texels of the strip over the surface, as a part of what the density asks for: less is lost, more is kept as it is.
+const float LOST = 0.01;
+const float KEPT = 0.1;
+
+// The texture at a place on a plane, in repeats; to and fro across the window around the shade.
+vec3 on_plane(vec2 place, float tone, vec2 size) {
+    float across = place.x * size.y / (size.x * 4.0 * WINDOW);
+    float to_and_fro = abs(4.0 * fract(across) - 2.0) - 1.0;
+    float center = clamp(tone, WINDOW, 1.0 - WINDOW);
+    return textureLod(strip, vec2(center + WINDOW * to_and_fro, place.y), 0.0).rgb;
+}
+
+void main() {
+    float tone = tone_of(shade_of(world_normal, push.light.xyz, gl_FrontFacing), push.range);
+    vec2 size = vec2(textureSize(strip, 0));
+    vec2 st = vec2((tone * (size.x - 1.0) + 0.5) / size.x, vertex_t);
+    vec3 difference = textureLod(strip, st, 0.0).rgb;
+    if (push.keep_paint != 0) {
+        vec2 st_x = dFdx(st) * size;
+        vec2 st_y = dFdy(st) * size;
+        vec3 p_x = dFdx(world_position);
+        vec3 p_y = dFdy(world_position);
+        float texels = abs(st_x.x * st_y.y - st_x.y * st_y.x);
+        vec3 face = cross(p_x, p_y);
+        float side = push.density * size.y;
+        float wanted = length(face) * side * side;
+        float mapped = wanted > 0.0 ? smoothstep(LOST, KEPT, texels / wanted) : 1.0;
+        if (mapped < 1.0) {
+            vec3 place = world_position * push.density;
+            // Sharp weights, so that hardly a place blends two planes.
+            vec3 weight = pow(abs(face) / max(length(face), 1e-30), vec3(8.0));
+            weight /= max(weight.x + weight.y + weight.z, 1e-30);
+            vec3 planes = weight.x * on_plane(place.zy, tone, size) + weight.y * on_plane(place.xz, tone, size) +
+                          weight.z * on_plane(place.xy, tone, size);
+            planes *= contrast_kept(dot(weight, weight));
+            float rest = 1.0 - mapped;
+            difference = (mapped * difference + rest * planes) * contrast_kept(mapped * mapped + rest * rest);
+        }
+    }
+    frame = shown(color_of(colors, tone, push.paint), difference, push.show);
+}

@@ -1,0 +1,300 @@
+//! Drives the techniques: guides, preparation with a progress bar, and the pictures of all stages.
+
+use super::failure::Result;
+use super::paints::Paints;
+use super::picture::from_texels;
+use super::session::{Device, Session, PART_COMPARISONS};
+use super::techniques::{Chosen, Technique};
+use super::values::Size;
+use image::{GrayAlphaImage, LumaA, Rgba, RgbaImage};
+use impasto::gpu::{Image, Uploads};
+use impasto::scene::{Camera, GuidePass, Lights, Mesh};
+use impasto::synthesis::params::BlockRecord;
+use impasto::synthesis::quilt::QuiltStages;
+use impasto::technique::aligned::{AlignedFrame, AlignedTechnique, LevelVolume};
+use impasto::technique::dependent::{CoverageReport, DependentTechnique, ViewCoverage};
+use impasto::technique::image::{ImageParams, ImageTechnique};
+use impasto::technique::object::ObjectTechnique;
+use impasto::technique::{ShadeRange, Show};
+use std::collections::HashSet;
+
+/// What is painted, from where it is seen, and how it is lit.
+pub struct Scene<'a> {
+    pub mesh: &'a Mesh,
+    pub camera: Camera,
+    pub lights: Lights,
+    pub size: Size,
+}
+
+/// A scene, ready to be painted or painted already.
+pub struct Painter<'a> {
+    scene: &'a Scene<'a>,
+    guides: GuidePass,
+    technique: Prepared,
+    range: ShadeRange,
+}
+
+enum Prepared {
+    Image(ImageTechnique),
+    Object(ObjectTechnique),
+    Aligned(AlignedTechnique, AlignedFrame),
+    Dependent(DependentTechnique, CoverageReport),
+}
+
+impl<'a> Painter<'a> {
+    /// Draws the guides, and prepares the technique up to the frame's drawing.
+    pub fn new(
+        session: &mut Session,
+        device: &mut Device,
+        scene: &'a Scene<'a>,
+        paints: &Paints,
+        chosen: &Chosen,
+    ) -> Result<Self> {
+        let context = device.context.clone();
+        let size = scene.size.pair();
+        let mut uploads = Uploads::default();
+        let guides = GuidePass::new(&context, &mut uploads, scene.mesh, size)?;
+        device.upload(&mut uploads)?;
+        device.runner.run(|recorder| guides.record(recorder, &scene.camera, &scene.lights))?;
+        let range = if chosen.levels {
+            let shade = floats(&device.runner.read_image(guides.shade())?);
+            ShadeRange::of_guide(&shade, &words(&device.runner.read_image(guides.id())?))
+        } else {
+            ShadeRange::default()
+        };
+        let seed = chosen.quilt.seed;
+        let technique = match &chosen.technique {
+            Technique::Image => {
+                let params = ImageParams { quilt: chosen.quilt, k: chosen.k, levels: chosen.levels };
+                let stages = QuiltStages::new(&context)?;
+                let all = paints.all()?;
+                let technique =
+                    ImageTechnique::new(&context, &mut uploads, &stages, &guides, &all, &paints.of_object, &params)?;
+                device.upload(&mut uploads)?;
+                session.phase("prepare");
+                let parts = technique.parts(PART_COMPARISONS);
+                let progress = session.progress("painting", parts.len());
+                for part in parts {
+                    device.runner.run(|recorder| {
+                        technique.record_part(recorder, &part, seed, 0);
+                        Ok(())
+                    })?;
+                    progress.step();
+                }
+                Prepared::Image(technique)
+            }
+            Technique::Object(params) => {
+                let all = paints.all()?;
+                let technique =
+                    ObjectTechnique::new(&context, &mut uploads, scene.mesh, size, &all, &paints.of_object, params)?;
+                device.upload(&mut uploads)?;
+                session.phase("prepare");
+                Prepared::Object(technique)
+            }
+            Technique::Aligned(params, frame) => {
+                let stages = QuiltStages::new(&context)?;
+                let levels = LevelVolume::new(&context, &mut uploads, &stages, &paints.levels(), params)?;
+                let trajectories = paints.trajectories();
+                let mut technique =
+                    AlignedTechnique::new(&context, &mut uploads, &guides, levels, &trajectories, &paints.of_object)?;
+                device.upload(&mut uploads)?;
+                session.phase("prepare");
+                prepare_levels(session, device, technique.levels(), seed)?;
+                technique.levels_mut().finish();
+                Prepared::Aligned(technique, AlignedFrame { range, ..*frame })
+            }
+            Technique::Dependent(views, view_px, params) => {
+                let covered = ViewCoverage::run(&context, &mut device.runner, scene.mesh, views, *view_px)?;
+                let stages = QuiltStages::new(&context)?;
+                let mut params = *params;
+                params.range = range;
+                let all = paints.all()?;
+                let mut technique = DependentTechnique::new(
+                    &context,
+                    &mut uploads,
+                    &stages,
+                    scene.mesh,
+                    &scene.lights,
+                    &covered,
+                    *view_px,
+                    size,
+                    &all,
+                    &paints.of_object,
+                    &params,
+                )?;
+                device.upload(&mut uploads)?;
+                session.phase("prepare");
+                let parts = technique.preparation_parts(PART_COMPARISONS);
+                let progress = session.progress("preparing views", parts.len());
+                for part in parts {
+                    device.runner.run(|recorder| technique.record_preparation(recorder, &part, seed))?;
+                    progress.step();
+                }
+                technique.finish_preparation();
+                Prepared::Dependent(technique, covered.report)
+            }
+        };
+        Ok(Painter { scene, guides, technique, range })
+    }
+
+    /// The frame: painted, its colour alone, or its texture alone.
+    pub fn frame(&self, device: &mut Device, show: Show) -> Result<RgbaImage> {
+        let Scene { camera, lights, size, .. } = self.scene;
+        device.runner.run(|recorder| match &self.technique {
+            Prepared::Image(technique) => {
+                technique.record_recombine(recorder, show);
+                Ok(())
+            }
+            Prepared::Object(technique) => technique.record(recorder, camera, lights, self.range, show),
+            Prepared::Aligned(technique, frame) => technique.record(recorder, &AlignedFrame { show, ..*frame }),
+            Prepared::Dependent(technique, _) => technique.record(recorder, camera, lights, show),
+        })?;
+        from_texels(device.runner.read_image(self.image())?, size.pair())
+    }
+
+    fn image(&self) -> &Image {
+        match &self.technique {
+            Prepared::Image(technique) => technique.frame(),
+            Prepared::Object(technique) => technique.frame(),
+            Prepared::Aligned(technique, _) => technique.frame(),
+            Prepared::Dependent(technique, _) => technique.frame(),
+        }
+    }
+
+    /// What the search for views came to, if there was one.
+    pub fn coverage(&self) -> Option<&CoverageReport> {
+        match &self.technique {
+            Prepared::Dependent(_, report) => Some(report),
+            _ => None,
+        }
+    }
+
+    /// The shade in use, 0..1 as 0..255; the background is transparent.
+    pub fn shade(&self, device: &mut Device) -> Result<GrayAlphaImage> {
+        let shade = match &self.technique {
+            Prepared::Image(technique) => floats(&device.runner.read_image(technique.shade())?),
+            _ => {
+                let ShadeRange { low, high } = self.range;
+                let spread = |s: f32| if high > low { ((s - low) / (high - low)).clamp(0.0, 1.0) } else { s };
+                floats(&device.runner.read_image(self.guides.shade())?).into_iter().map(spread).collect()
+            }
+        };
+        let id = self.ids(device)?;
+        let Size { width, height } = self.scene.size;
+        let mut picture = GrayAlphaImage::new(width, height);
+        for ((pixel, shade), id) in picture.pixels_mut().zip(shade).zip(id) {
+            if id != 0 {
+                *pixel = LumaA([(shade * 255.0 + 0.5).floor() as u8, 255]);
+            }
+        }
+        Ok(picture)
+    }
+
+    /// The ID buffer with a colour for every object; the background is transparent.
+    pub fn id(&self, device: &mut Device) -> Result<RgbaImage> {
+        let colors = id_colors(self.scene.mesh.objects().len());
+        let mut picture = RgbaImage::new(self.scene.size.width, self.scene.size.height);
+        for (pixel, id) in picture.pixels_mut().zip(self.ids(device)?) {
+            // 0 is the background.
+            let color = (id as usize).checked_sub(1).and_then(|object| colors.get(object));
+            if let Some([r, g, b]) = color {
+                *pixel = Rgba([*r, *g, *b, 255]);
+            }
+        }
+        Ok(picture)
+    }
+
+    /// What was chosen for the blocks of each paint; none but in image-based synthesis.
+    pub fn blocks(&self, device: &mut Device) -> Result<Vec<Vec<BlockRecord>>> {
+        let mut all = Vec::new();
+        if let Prepared::Image(technique) = &self.technique {
+            for quilt in technique.quilts() {
+                all.push(quilt.read_records(&mut device.runner)?);
+            }
+        }
+        Ok(all)
+    }
+
+    fn ids(&self, device: &mut Device) -> Result<Vec<u32>> {
+        Ok(words(&device.runner.read_image(self.guides.id())?))
+    }
+}
+
+/// Synthesises levels with a progress bar.
+pub fn prepare_levels(session: &mut Session, device: &mut Device, levels: &LevelVolume, seed: u32) -> Result {
+    let parts = levels.parts(PART_COMPARISONS);
+    let progress = session.progress("preparing levels", parts.len());
+    for part in parts {
+        device.runner.run(|recorder| {
+            levels.record_part(recorder, &part, seed);
+            Ok(())
+        })?;
+        progress.step();
+    }
+    Ok(())
+}
+
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+fn floats(bytes: &[u8]) -> Vec<f32> {
+    bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+}
+
+/// A colour for each object; an object's colour depends on its index alone, and no two are the same.
+pub fn id_colors(count: usize) -> Vec<[u8; 3]> {
+    let mut used = HashSet::new();
+    (0..count)
+        .map(|index| {
+            // Steps of the golden ratio spread any number of hues; every few of them get another brightness.
+            let hue = (0.58 + index as f64 * 0.618_033_988_749_895).fract();
+            let value = [0.95, 0.7, 0.82][index / 8 % 3];
+            let saturation = [0.65, 0.9, 0.4][index / 24 % 3];
+            let mut color = hsv(hue, saturation, value);
+            while !used.insert(color) {
+                let [r, g, b] = color;
+                color = u32::from_be_bytes([0, r, g, b]).wrapping_add(0x0001_0301).to_be_bytes()[1..]
+                    .try_into()
+                    .unwrap_or_default();
+            }
+            color
+        })
+        .collect()
+}
+
+fn hsv(hue: f64, saturation: f64, value: f64) -> [u8; 3] {
+    // Distance of the hue from red, green and blue in sixths of the circle, after the usual piecewise linear form.
+    [5.0, 3.0, 1.0].map(|n| {
+        let k: f64 = (n + hue * 6.0) % 6.0;
+        let low = k.min(4.0 - k).clamp(0.0, 1.0);
+        ((value - value * saturation * low) * 255.0).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_of_objects_differ_and_are_stable() {
+        let many = id_colors(65_535);
+        assert_eq!(many.iter().collect::<HashSet<_>>().len(), many.len());
+        assert_eq!(id_colors(10), many[..10]);
+        // The first ones can be told apart at a glance.
+        for (i, a) in many[..8].iter().enumerate() {
+            for b in &many[..i] {
+                let apart: u32 = a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+                assert!(apart > 50, "{a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn hues_are_in_order() {
+        assert_eq!(hsv(0.0, 1.0, 1.0), [255, 0, 0]);
+        assert_eq!(hsv(1.0 / 3.0, 1.0, 1.0), [0, 255, 0]);
+        assert_eq!(hsv(2.0 / 3.0, 1.0, 1.0), [0, 0, 255]);
+        assert_eq!(hsv(0.5, 0.0, 0.5), [128, 128, 128]);
+    }
+}
