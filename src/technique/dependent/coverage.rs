@@ -54,7 +54,9 @@ pub fn default_views() -> Vec<View> {
 /// The first round draws all faces from the views that are asked for. A face is covered by a view if it faces the eye
 /// and nothing hides any part of it. As long as faces are left that no view covers, further rounds draw those alone,
 /// from the [`default_views`], and keep of these as many as are needed: the one that covers the most, then the one
-/// that adds the most, and so on. It ends when nothing is left, when a further round adds nothing, or after 8 rounds.
+/// that adds the most, and so on. Views that a face is turned away from by more than 81 degrees (a cosine below 0.15)
+/// show it too distorted: it keeps them only if that round has no better one for it, and further rounds take them only
+/// when they would add nothing without them. It ends when nothing is left, when a further round adds nothing, or after 8 rounds.
 /// Faces that are left then, such as triangles that cross each other, are given the slice whose eye they face most.
 ///
 /// A picture shows the faces of its round from one camera: back faces culled, the front being counter-clockwise; depth
@@ -322,8 +324,8 @@ impl Coverage {
         Ok(())
     }
 
-    /// For each face that is left, a bit for each view that covers it; without views that it faces too little, if there
-    /// are others.
+    /// For each face that is left, a bit for each view that covers it. Views that it faces too little do not count if
+    /// it has others, and in further rounds as long as any face is covered without them.
     fn seen(&self, face_ids: &[Vec<u32>]) -> Result<Vec<u64>> {
         let mut seen = vec![(0_u64, 0_u64); self.left.len()];
         for (k, (aimed, face_ids)) in self.candidates().iter().zip(face_ids).enumerate() {
@@ -336,7 +338,12 @@ impl Coverage {
                 }
             }
         }
-        Ok(seen.into_iter().map(|(any, well)| if well != 0 { well } else { any }).collect())
+        // In the first round the views are the user's choice. Of the others, later ones draw fewer faces: what hides a
+        // face from where it would be seen well may be gone then.
+        let is_first_or_last = self.rounds == 0 || self.rounds + 1 == MAX_ROUNDS;
+        let takes_any = is_first_or_last || seen.iter().all(|&(_, well)| well == 0);
+        let choose = |(any, well)| if well == 0 && takes_any { any } else { well };
+        Ok(seen.into_iter().map(choose).collect())
     }
 }
 
