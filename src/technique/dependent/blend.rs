@@ -42,8 +42,8 @@ pub fn blend_weights(directions: &[Vec3], set: &[u8], direction: Vec3) -> [(u8, 
         if let Some(place) = nearest.iter().position(|kept| distance < kept.1) {
             nearest[place..].rotate_right(1);
             nearest[place] = (slice, distance);
+            found += 1;
         }
-        found += 1;
     }
     let threshold = nearest[MAX_BLENDED].1;
     let mut weights = [(0, 0.0); MAX_BLENDED];

@@ -56,8 +56,9 @@ pub fn default_views() -> Vec<View> {
 /// from the [`default_views`], and keep of these as many as are needed: the one that covers the most, then the one
 /// that adds the most, and so on. Views that a face is turned away from by more than 81 degrees (a cosine below 0.15)
 /// show it too distorted: it keeps them only if that round has no better one for it, and further rounds take them only
-/// when they would add nothing without them. It ends when nothing is left, when a further round adds nothing, or after 8 rounds.
-/// Faces that are left then, such as triangles that cross each other, are given the slice whose eye they face most.
+/// when they would add nothing without them. It ends when nothing is left, when a further round adds nothing, or after
+/// 8 rounds. Faces that are left then, such as triangles that cross each other, are given the slice of the first round
+/// whose eye they face most.
 ///
 /// A picture shows the faces of its round from one camera: back faces culled, the front being counter-clockwise; depth
 /// test LESS; each pixel the index of its triangle + 1, or 0 where there is none; rows from the top.
