@@ -352,7 +352,8 @@ fn a_teapot_on_a_table_is_covered_in_several_rounds() {
     let mesh = asset("teapot_on_table.obj");
     let (covered, rounds) = cover_in_rounds(&mesh, &default_views());
     println!("{:?}", covered.report);
-    assert!(covered.report.rounds > 1);
+    // As each round takes all views that add something, few are needed.
+    assert!((2..=4).contains(&covered.report.rounds));
     assert!(covered.report.forced * 50 < covered.report.faces, "{:?}", covered.report);
     // The table is two triangles. The teapot stands on both, so that no view of the whole covers them.
     let table = mesh.objects().iter().find(|object| object.name == "table").expect("a table");
