@@ -16,7 +16,7 @@ mod geometry;
 mod views;
 
 pub use blend::{blend_weights, MAX_BLENDED};
-pub use coverage::{default_views, Coverage, CoverageReport, Covered, Round, Slice, View, MAX_SLICES};
+pub use coverage::{default_views, Coverage, CoverageReport, Covered, Round, Slice, View, MAX_SLICES, MAX_VIEWS};
 pub use views::ViewCoverage;
 
 use super::colors::ColorTable;
