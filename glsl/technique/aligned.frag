@@ -11,7 +11,7 @@ layout(binding = 0, r32f) uniform readonly image2D shade;
 layout(binding = 1, r32ui) uniform readonly uimage2D id;
 layout(binding = 2, r32ui) uniform readonly uimage2D paint_of_object;
 layout(binding = 3) uniform sampler3D volume;
-layout(binding = 4) uniform sampler2D colors;
+layout(binding = 4, r32ui) uniform readonly uimage2D colors;
 
 layout(push_constant) uniform Push {
     // Where the picture's left upper corner lies on the texture, in pixels of the picture.
@@ -46,5 +46,5 @@ void main() {
         float f = fract(place);
         difference *= contrast_kept(f * f + (1.0 - f) * (1.0 - f));
     }
-    frame = shown(color_of(colors, tone, paint), difference, push.show);
+    frame = shown(unpackUnorm4x8(imageLoad(colors, color_place(tone, paint)).r).rgb, difference, push.show);
 }

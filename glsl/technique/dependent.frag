@@ -14,7 +14,7 @@ layout(location = 2) flat in uvec2 face;
 layout(binding = 0, rgba32f) uniform readonly image2D blends;
 layout(binding = 1, rgba32f) uniform readonly image2D projections;
 layout(binding = 2) uniform sampler3D volume;
-layout(binding = 3) uniform sampler2D colors;
+layout(binding = 3, r32ui) uniform readonly uimage2D colors;
 
 layout(push_constant) uniform Push {
     mat4 view_projection;
@@ -47,5 +47,5 @@ void main() {
     if (weight.z > 0.0) {
         difference += weight.z * slice_at(slice.z);
     }
-    frame = shown(color_of(colors, tone, face.y), difference * weight.w, push.show);
+    frame = shown(unpackUnorm4x8(imageLoad(colors, color_place(tone, face.y)).r).rgb, difference * weight.w, push.show);
 }

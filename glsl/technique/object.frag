@@ -14,7 +14,7 @@ layout(location = 1) in vec3 world_normal;
 layout(location = 2) in float vertex_t;
 
 layout(binding = 0) uniform sampler2D strip;
-layout(binding = 1) uniform sampler2D colors;
+layout(binding = 1, r32ui) uniform readonly uimage2D colors;
 
 layout(push_constant) uniform Push {
     mat4 view_projection;
@@ -40,14 +40,14 @@ vec3 on_plane(vec2 place, float tone, vec2 size) {
     float across = place.x * size.y / (size.x * 4.0 * WINDOW);
     float to_and_fro = abs(4.0 * fract(across) - 2.0) - 1.0;
     float center = clamp(tone, WINDOW, 1.0 - WINDOW);
-    return textureLod(strip, vec2(center + WINDOW * to_and_fro, place.y), 0.0).rgb;
+    return 2.0 * textureLod(strip, vec2(center + WINDOW * to_and_fro, place.y), 0.0).rgb - 1.0;
 }
 
 void main() {
     float tone = tone_of(shade_of(world_normal, push.light.xyz, gl_FrontFacing), push.range);
     vec2 size = vec2(textureSize(strip, 0));
     vec2 st = vec2((tone * (size.x - 1.0) + 0.5) / size.x, vertex_t);
-    vec3 difference = textureLod(strip, st, 0.0).rgb;
+    vec3 difference = 2.0 * textureLod(strip, st, 0.0).rgb - 1.0;
     if (push.keep_paint != 0) {
         vec2 st_x = dFdx(st) * size;
         vec2 st_y = dFdy(st) * size;
@@ -70,5 +70,5 @@ void main() {
             difference = (mapped * difference + rest * planes) * contrast_kept(mapped * mapped + rest * rest);
         }
     }
-    frame = shown(color_of(colors, tone, push.paint), difference, push.show);
+    frame = shown(unpackUnorm4x8(imageLoad(colors, color_place(tone, push.paint)).r).rgb, difference, push.show);
 }

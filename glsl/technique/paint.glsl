@@ -1,17 +1,16 @@
 // What the real-time techniques share: from shade to colour, and from colour and texture to the frame.
 
 // As in src/technique/colors.rs.
-const float COLORS = 1024.0;
+const float COLORS = 2048.0;
 
 // Spreads the range of shade that is in use over the whole strip.
 float tone_of(float shade, vec2 range) {
     return range.y > range.x ? clamp((shade - range.x) / (range.y - range.x), 0.0, 1.0) : shade;
 }
 
-// The colour of a paint at a tone; a row of `table` for each paint.
-vec3 color_of(sampler2D table, float tone, uint paint) {
-    float row = (float(paint) + 0.5) / float(textureSize(table, 0).y);
-    return textureLod(table, vec2((tone * (COLORS - 1.0) + 0.5) / COLORS, row), 0.0).rgb;
+// The place of a tone in the picture that has a row of colours for each paint.
+ivec2 color_place(float tone, uint paint) {
+    return ivec2(int(tone * (COLORS - 1.0) + 0.5), int(paint));
 }
 
 // The frame's value: 0 colour and texture added and clipped (thesis chapter 6), 1 colour only, 2 texture only, [-1, 1]

@@ -1,19 +1,18 @@
-//! The colours by shade of all paints, as a picture that fragment shaders sample.
+//! The colours by shade of all paints, as a picture that fragment shaders look up.
 
-use crate::gpu::{Context, Image, ImageDesc, Sampler, Uploads};
+use crate::gpu::{Context, Image, ImageDesc, Uploads};
 use crate::paint::Trajectory;
 use crate::{Error, Result};
 use ash::vk;
-use half::f16;
 
-/// Colours of a row; shade s stands at texel s * (COLORS - 1), as in colors.glsl.
-const COLORS: usize = 1024;
+/// Colours of a row; shade s stands at texel s * (COLORS - 1), as in paint.glsl. So many that the nearest one is as good as
+/// what lies between two: a channel has 256 values.
+const COLORS: usize = 2048;
 
 /// A row of colours for each paint, dark on the left.
 pub(crate) struct ColorTable {
     image: Image,
-    sampler: Sampler,
-    rows: Vec<[f16; 4]>,
+    rows: Vec<[u8; 4]>,
 }
 
 impl ColorTable {
@@ -36,16 +35,15 @@ impl ColorTable {
         if paints > most as usize {
             return Err(Error::parameter("paints", paints, format!("at most {most} on this device")));
         }
-        let desc = ImageDesc::sampled([COLORS as u32, paints as u32, 1], vk::Format::R16G16B16A16_SFLOAT);
+        let desc = ImageDesc::storage_2d(COLORS as u32, paints as u32, vk::Format::R32_UINT);
         let image = Image::new(context, "colours by shade", &desc)?;
-        let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
         uploads.image(context, &image, bytemuck::cast_slice(&rows))?;
-        Ok(ColorTable { image, sampler, rows })
+        Ok(ColorTable { image, rows })
     }
 
-    /// The picture and its sampler.
-    pub fn bound(&self) -> (&Image, &Sampler) {
-        (&self.image, &self.sampler)
+    /// The picture: R32_UINT, red in the low byte.
+    pub fn image(&self) -> &Image {
+        &self.image
     }
 
     /// Stages other colours for one paint.
@@ -68,7 +66,7 @@ impl ColorTable {
     }
 }
 
-fn row(trajectory: &Trajectory) -> Result<Vec<[f16; 4]>> {
+fn row(trajectory: &Trajectory) -> Result<Vec<[u8; 4]>> {
     let colors = trajectory.resampled(COLORS)?;
-    Ok(colors.colors().iter().map(|&[r, g, b]| [r, g, b, 1.0].map(f16::from_f32)).collect())
+    Ok(colors.colors().iter().map(|&[r, g, b]| [r, g, b, 1.0].map(|value| (value * 255.0).round() as u8)).collect())
 }

@@ -37,7 +37,7 @@ pub(crate) const ALIGNED: RasterShader = RasterShader {
         BindingKind::Image(Access::FragmentRead),
         BindingKind::Image(Access::FragmentRead),
         BindingKind::Sampled(Access::FragmentSampled),
-        BindingKind::Sampled(Access::FragmentSampled),
+        BindingKind::Image(Access::FragmentRead),
     ],
     push_bytes: size_of::<Push>() as u32,
 };
@@ -160,7 +160,7 @@ impl AlignedTechnique {
             guides.id().into(),
             (&objects).into(),
             (levels.image(), &sampler).into(),
-            colors.bound().into(),
+            colors.image().into(),
         ];
         let set = BindingSet::new(context, &pipeline, &bound)?;
         Ok(AlignedTechnique { levels, colors, pass, target, pipeline, set, frame })

@@ -61,7 +61,7 @@ pub(crate) const DEPENDENT: RasterShader = RasterShader {
         BindingKind::Image(Access::FragmentRead),
         BindingKind::Image(Access::FragmentRead),
         BindingKind::Sampled(Access::FragmentSampled),
-        BindingKind::Sampled(Access::FragmentSampled),
+        BindingKind::Image(Access::FragmentRead),
     ],
     push_bytes: size_of::<Push>() as u32,
 };
@@ -261,7 +261,7 @@ impl DependentTechnique {
         let (data, list) = face_vertices(mesh, &covered.set_of_face, paint_of_object);
         let (vertices, indices) = upload_geometry(context, uploads, &data, &list)?;
         let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
-        let bound = [(&blends).into(), (&projections).into(), (volume.image(), &sampler).into(), colors.bound().into()];
+        let bound = [(&blends).into(), (&projections).into(), (volume.image(), &sampler).into(), colors.image().into()];
         let set = BindingSet::new(context, &pipelines[0], &bound)?;
         Ok(DependentTechnique {
             params: *params,

@@ -28,14 +28,13 @@ use crate::paint::{TextureDifference, Trajectory};
 use crate::scene::{upload_geometry, Camera, Lights, Mesh, Solid};
 use crate::Result;
 use ash::vk;
-use half::f16;
 use std::ops::Range;
 
 pub(crate) const OBJECT: RasterShader = RasterShader {
     name: "object",
     vertex_spirv: include_bytes!("../../../glsl/spirv/technique/object.vert.spv"),
     fragment_spirv: include_bytes!("../../../glsl/spirv/technique/object.frag.spv"),
-    bindings: &[BindingKind::Sampled(Access::FragmentSampled), BindingKind::Sampled(Access::FragmentSampled)],
+    bindings: &[BindingKind::Sampled(Access::FragmentSampled), BindingKind::Image(Access::FragmentRead)],
     push_bytes: size_of::<Push>() as u32,
 };
 
@@ -168,7 +167,7 @@ impl ObjectTechnique {
                 StripRepeat::Wrap => strip_image(context, uploads, &paint.texture.tileable_rows())?,
                 StripRepeat::Mirror => strip_image(context, uploads, paint.texture)?,
             };
-            let bound = [(&strip, &sampler).into(), colors.bound().into()];
+            let bound = [(&strip, &sampler).into(), colors.image().into()];
             sets.push(BindingSet::new(context, &pipelines[0], &bound)?);
         }
         Ok(ObjectTechnique {
@@ -261,9 +260,8 @@ fn runs(mesh: &Mesh, paint_of_object: &[u32]) -> Vec<(Range<u32>, usize)> {
 }
 
 fn strip_image(context: &Context, uploads: &mut Uploads, texture: &TextureDifference) -> Result<Image> {
-    let desc = ImageDesc::sampled([texture.width(), texture.height(), 1], vk::Format::R16G16B16A16_SFLOAT);
+    let desc = ImageDesc::sampled([texture.width(), texture.height(), 1], vk::Format::R8G8B8A8_UNORM);
     let image = Image::new(context, "strip", &desc)?;
-    let texels: Vec<[f16; 4]> = texture.pixels().iter().map(|&[r, g, b]| [r, g, b, 0.0].map(f16::from_f32)).collect();
-    uploads.image(context, &image, bytemuck::cast_slice(&texels))?;
+    uploads.image(context, &image, bytemuck::cast_slice(&texture.to_unorm8()))?;
     Ok(image)
 }
