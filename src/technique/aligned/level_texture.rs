@@ -10,7 +10,7 @@
 //! | format | `vkFormat` 37 (`VK_FORMAT_R8G8B8A8_UNORM`), `typeSize` 1, `supercompressionScheme` 0 |
 //! | shape | `pixelWidth` = `pixelHeight` = size, `pixelDepth` = levels |
 //! | counts | `layerCount` 0, `faceCount` 1, `levelCount` 1 |
-//! | data format | one basic block, version 2: RGBSDA, BT.709 primaries, linear, straight alpha, four samples of 8 bits |
+//! | data format | one basic block, version 2: RGBSDA, BT.709, linear, straight alpha, four samples of 8 bits |
 //! | `KTXorientation` | `rdi`: texels run right, down and into the stack |
 //! | `KTXwriter` | `impasto` and its version |
 //! | `impastoLevels` | the version of this format as decimal text: `1` |
@@ -21,7 +21,7 @@
 //! are the difference -1..1 mapped linearly to 0..255, alpha is 255. KTX's own levels are mip levels, of which there is
 //! one: the levels of shade are the slices of its depth.
 //!
-//! Of the entries a reader needs `impastoLevels` and `impastoTrajectory`, and it passes over ones that it does not know.
+//! Of the entries a reader needs `impastoLevels` and `impastoTrajectory`; it passes over all others.
 
 use crate::error::{Error, Result};
 use crate::paint::Trajectory;
@@ -59,7 +59,7 @@ impl LevelTexture {
     pub const MAX_LEVELS: u32 = 64;
     /// The largest number of colours of the trajectory.
     pub const MAX_COLORS: usize = 65536;
-    /// The largest file that [`LevelTexture::load`] reads: 1 GiB, which the largest texels fill, and 1 MiB for the rest.
+    /// The largest file that [`LevelTexture::load`] reads: 1 GiB, which the most texels fill, and 1 MiB for the rest.
     pub const MAX_FILE_BYTES: u64 = (1 << 30) + (1 << 20);
 
     /// A level texture from its parts.
@@ -236,8 +236,8 @@ fn push_entry(entries: &mut Vec<u8>, key: &str, value: &[u8]) {
 
 /// Reads a file, or says what is wrong with it.
 ///
-/// `ktx2::Reader` is not used: it panics on a data format descriptor with a texel block of 256, which a damaged file may
-/// have.
+/// `ktx2::Reader` is not used: it panics on a data format descriptor with a texel block of 256, which a damaged file
+/// may have.
 fn parse(bytes: &[u8]) -> Result<LevelTexture, String> {
     if !LevelTexture::is_ktx2(bytes) {
         return Err("is not a KTX2 file".into());
