@@ -31,6 +31,7 @@
 //! ```
 
 mod decode;
+mod grid;
 mod path;
 mod rgb;
 mod sample;
@@ -40,6 +41,7 @@ mod speed;
 mod stops;
 mod timing;
 mod trajectory;
+mod wrap;
 
 pub use sample::{PaintSample, StripHint, MAX_SIDE_PX};
 pub use separation::TextureDifference;

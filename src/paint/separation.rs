@@ -34,6 +34,11 @@ impl TextureDifference {
         Ok(Self { width, height, pixels })
     }
 
+    /// As [`TextureDifference::from_pixels`], of parts that are known to be right.
+    pub(super) fn from_parts(width: u32, height: u32, pixels: Vec<[f32; 3]>) -> Self {
+        Self { width, height, pixels }
+    }
+
     /// Width in pixels, 1 to [`MAX_SIDE_PX`](super::MAX_SIDE_PX).
     pub fn width(&self) -> u32 {
         self.width

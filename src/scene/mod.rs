@@ -48,5 +48,5 @@ pub use guide_oracle::{Guide, GuideOracle, MAX_GUIDE_SIDE_PX};
 pub use light::{DirectionalLight, Lights, MAX_LIGHTS};
 pub use mesh::{BoundingSphere, Loaded, Mesh, MeshOptions, Object, MAX_OBJECTS};
 pub use obj::{MAX_FILE_BYTES, MAX_TRIANGLES, MAX_VERTICES};
-pub(crate) use solid::Solid;
+pub(crate) use solid::{places, Solid};
 pub use warning::MeshWarning;

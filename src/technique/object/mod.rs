@@ -15,6 +15,7 @@
 //! around the pixel's shade. Colour comes from the shade in any case.
 
 mod coordinates;
+mod nearest;
 
 pub use coordinates::{density, texture_coordinates, CoordinateParams, Orientation, SeamPolicy};
 
