@@ -4,7 +4,7 @@
 mod common;
 
 use common::Numbers;
-use impasto::paint::{PaintSample, TextureDifference};
+use impasto::paint::{PaintSample, TextureDifference, Trajectory};
 use impasto::scene::{Mesh, MeshOptions, Vec3};
 use impasto::technique::object::{density, texture_coordinates, CoordinateParams, Orientation, SeamPolicy};
 
@@ -262,7 +262,13 @@ fn rows_repeat_without_a_line() {
     for height in [1, 2] {
         assert_eq!(difference(9, height).tileable_rows(), difference(9, height));
     }
-    assert_eq!(difference(1, 3).tileable_rows().height(), 2);
+    let steps = vec![[0.0; 3], [0.1; 3], [0.3; 3]];
+    let steep = TextureDifference::from_pixels(1, 3, steps).expect("a difference").tileable_rows();
+    assert_eq!(steep.height(), 2);
+    let grid = PaintSample::grid();
+    let black = Trajectory::from_colors(vec![[0.0; 3]]).expect("a trajectory");
+    let grid = TextureDifference::extract(&grid, &black);
+    assert_eq!(grid.tileable_rows(), grid, "its rows repeat already");
     let constant = TextureDifference::from_pixels(5, 12, vec![[0.25; 3]; 60]).expect("a difference").tileable_rows();
     assert!(constant.pixels().iter().all(|pixel| *pixel == [0.25; 3]));
 }

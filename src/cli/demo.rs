@@ -51,7 +51,7 @@ pub struct Taken {
     pub time: Duration,
 }
 
-const SCRIPT: [Step; 10] = [
+const SCRIPT: [Step; 24] = [
     Step {
         arguments: "render head.obj --paint strip_green_yellow.png -o head_green_yellow.png --size SIZE \
                     --levels --dump head_green_yellow",
@@ -89,6 +89,118 @@ const SCRIPT: [Step; 10] = [
         title: "The same strokes in other colours",
         text: "The texture is that of the dark red strip, the colours are a gradient of four stops.",
         pictures: &[("head_recolored.png", "Painted"), ("strip_dark_red.png", "The strip that gives the texture")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_green_yellow.png -o head_object.png --size SIZE --levels \
+                    --technique object",
+        title: "Object-based texture mapping",
+        text: "The strip is wrapped around the model: its columns follow the light, its rows repeat along the height. \
+               Nothing is prepared.",
+        pictures: &[("head_object.png", "Green and yellow"), ("strip_green_yellow.png", "The paint strip")],
+        repeated: None,
+    },
+    Step {
+        arguments: "prepare strip_green_yellow.png -o strip_green_yellow.ktx2",
+        title: "A strip, prepared for view-aligned projection",
+        text: "A tileable texture for each of eight levels of shade, in a file that a game can ship.",
+        pictures: &[("strip_green_yellow.png", "The paint strip")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_green_yellow.ktx2 -o head_aligned.png --size SIZE --levels \
+                    --technique aligned",
+        title: "View-aligned 3D texture projection",
+        text:
+            "Texture lies in the plane of the picture, and shade picks the level; blended levels keep their contrast.",
+        pictures: &[("head_aligned.png", "Green and yellow")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_green_yellow.ktx2 -o head_aligned_linear.png --size SIZE --levels \
+                    --technique aligned --blend linear",
+        title: "The same with the hardware's plain blend",
+        text: "Between two levels marks lose contrast: the error that the thesis names.",
+        pictures: &[("head_aligned_linear.png", "Plain blend"), ("head_aligned.png", "Contrast kept")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_green_yellow.png -o head_dependent.png --size SIZE --levels \
+                    --technique dependent --dump head_dependent",
+        title: "View-dependent interpolation",
+        text: "Important views around the model have textures of their own; other views blend them.",
+        pictures: &[("head_dependent.png", "Green and yellow"), ("head_dependent/texture.png", "Texture only")],
+        repeated: None,
+    },
+    Step {
+        arguments:
+            "render head.obj --paint strip_dark_red.png -o red_object.png --size SIZE --levels --technique object",
+        title: "Dark red, object-based",
+        text: "Figures 10.1 to 10.3 of the thesis show each technique with three paints.",
+        pictures: &[("red_object.png", "Object-based"), ("head_dark_red.png", "Image-based")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_dark_red.png -o red_aligned.png --size SIZE --levels \
+                    --technique aligned",
+        title: "Dark red, view-aligned",
+        text: "",
+        pictures: &[("red_aligned.png", "View-aligned")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_dark_red.png -o red_dependent.png --size SIZE --levels \
+                    --technique dependent",
+        title: "Dark red, view-dependent",
+        text: "",
+        pictures: &[("red_dependent.png", "View-dependent")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_red_yellow.png -o yellow_object.png --size SIZE --levels \
+                    --technique object",
+        title: "Red and yellow, object-based",
+        text: "",
+        pictures: &[("yellow_object.png", "Object-based"), ("head_red_yellow.png", "Image-based")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_red_yellow.png -o yellow_aligned.png --size SIZE --levels \
+                    --technique aligned",
+        title: "Red and yellow, view-aligned",
+        text: "",
+        pictures: &[("yellow_aligned.png", "View-aligned")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint strip_red_yellow.png -o yellow_dependent.png --size SIZE --levels \
+                    --technique dependent",
+        title: "Red and yellow, view-dependent",
+        text: "",
+        pictures: &[("yellow_dependent.png", "View-dependent")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render head.obj --paint grid -o grid.png --size SIZE --technique object --flat lose",
+        title: "How the strip lies on the model",
+        text: "A grid in place of paint (figure 5.1): the dotted line is one of constant light.",
+        pictures: &[("grid.png", "The grid")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render teapot_on_table.obj --paint strip_red_yellow.png --paint table=strip_green_yellow.png \
+                    -o flat_lose.png --size SIZE --technique object --flat lose",
+        title: "Flat faces lose their paint",
+        text: "The table has one shade, so one texel of the strip spreads over it (figure 5.3).",
+        pictures: &[("flat_lose.png", "As in the thesis")],
+        repeated: None,
+    },
+    Step {
+        arguments: "render teapot_on_table.obj --paint strip_red_yellow.png --paint table=strip_green_yellow.png \
+                    -o flat_keep.png --size SIZE --technique object",
+        title: "Flat faces keep their paint",
+        text: "Where the mapping spreads the strip too thin, it is laid on from three sides instead.",
+        pictures: &[("flat_keep.png", "Kept")],
         repeated: None,
     },
     Step {

@@ -7,15 +7,22 @@ impl TextureDifference {
     ///
     /// The first rows are laid over the last ones, and each column changes from these to those where a minimum-error cut
     /// passes: the path from left to right with the least sum of squared differences, of equal ones the uppermost (Efros
-    /// and Freeman 2001; thesis 3.2.2). Every value stays in its column. A texture of fewer than 3 rows stays as it is.
+    /// and Freeman 2001; thesis 3.2.2). Every value stays in its column. A texture
+    /// whose last row differs from its first one no more than any two rows beside each other repeats already and stays as
+    /// it is, as does one of fewer than 3 rows.
     pub fn tileable_rows(&self) -> TextureDifference {
         let (width, height) = (self.width() as usize, self.height() as usize);
-        if height < 3 {
+        let pixels = self.pixels();
+        let change = |a: usize, b: usize| -> f64 {
+            let (a, b) = (&pixels[a * width..(a + 1) * width], &pixels[b * width..(b + 1) * width]);
+            a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| f64::from(a - b).powi(2)).sum()
+        };
+        let inside = (1..height).map(|row| change(row - 1, row)).fold(0.0, f64::max);
+        if height < 3 || change(height - 1, 0) <= inside {
             return self.clone();
         }
         let overlap = (height / 6).max(1);
         let kept = height - overlap;
-        let pixels = self.pixels();
         let error = |x: usize, row: usize| -> f64 {
             let (first, last) = (pixels[row * width + x], pixels[(kept + row) * width + x]);
             first.iter().zip(last).map(|(a, b)| f64::from(a - b).powi(2)).sum()
