@@ -21,7 +21,7 @@
 //! - [`paint`] takes a strip apart into colours by shade and texture, and puts the two together again; on the host.
 //! - [`scene`] reads a model, places camera and lights, and draws them into the guide: shade, object ID and depth.
 //! - [`synthesis`] makes more texture from a sample by quilting, and makes pictures tileable.
-//! - [`technique`] paints: it takes guides, paints and synthesis, and gives a frame.
+//! - [`technique`] paints, in four ways: it takes guides or a mesh, paints and synthesis, and gives a frame.
 //! - [`gpu`] holds every Vulkan call: a device of one's own or a host's, memory, passes and their barriers.
 //! - [`error`] is the one error type; no input makes the crate panic.
 //!
