@@ -9,7 +9,7 @@ mod spirv;
 #[path = "../examples/compile_shaders/sources.rs"]
 mod sources;
 
-use impasto::gpu::{Access, BindingKind};
+use impasto::gpu::{Access, BindingKind, RasterShader};
 use impasto::shader_table;
 use impasto::synthesis::quilt::shared_structs;
 use spirv::{Binary, Member, Resource};
@@ -172,12 +172,15 @@ fn expected(binding: u32, kind: BindingKind) -> Resource {
     let (class, access) = match kind {
         BindingKind::Buffer(access) => ("storage buffer", access),
         BindingKind::Image(access) => ("storage image", access),
+        BindingKind::Sampled(access) => ("sampled image", access),
     };
     let (non_writable, non_readable) = match access {
-        Access::ComputeRead => (class != "uniform buffer", false),
+        Access::ComputeRead | Access::FragmentRead => (class != "uniform buffer", false),
+        // A sampler only ever reads.
+        Access::FragmentSampled => (false, false),
         Access::ComputeWrite => (false, true),
         Access::ComputeReadWrite => (false, false),
-        other => panic!("a compute shader's binding declares {other:?}"),
+        other => panic!("a shader's binding declares {other:?}"),
     };
     Resource { set: 0, binding, class, non_writable, non_readable }
 }
@@ -199,8 +202,51 @@ fn tables_say_what_the_binaries_say() {
         assert_eq!(binary.resources, bindings, "{source}: bindings");
         assert_eq!(binary.push_bytes(), shader.push_bytes, "{source}: push constants");
     }
-    for (name, binary) in binaries.iter().filter(|(_, b)| b.local_size.is_none()) {
-        assert!(binary.resources.is_empty(), "{name}: raster pipelines have no descriptors");
+}
+
+/// What is wrong with a table of a vertex and a fragment shader.
+fn raster_faults(source: &str, shader: &RasterShader, vertex: &Binary, fragment: &Binary) -> Vec<String> {
+    let mut faults = Vec::new();
+    if Path::new(source).file_stem().and_then(|s| s.to_str()) != Some(shader.name) {
+        faults.push(format!("{source} is named {}", shader.name));
+    }
+    if &Binary::parse(shader.vertex_spirv) != vertex || &Binary::parse(shader.fragment_spirv) != fragment {
+        faults.push("other binaries are built in".to_owned());
+    }
+    let bindings: Vec<_> = (0..).zip(shader.bindings).map(|(i, &kind)| expected(i, kind)).collect();
+    if fragment.resources != bindings || !vertex.resources.is_empty() {
+        faults.push(format!("bindings {:?} and {:?}", vertex.resources, fragment.resources));
+    }
+    // A stage that reads nothing of the block may leave it out, but both must agree where they have it.
+    let blocks: Vec<_> = [vertex, fragment].into_iter().filter(|b| b.push_bytes() > 0).collect();
+    if blocks.iter().any(|b| b.push_bytes() != shader.push_bytes || b.push != blocks[0].push) {
+        faults.push("push constants".to_owned());
+    }
+    faults
+}
+
+#[test]
+fn raster_tables_say_what_the_binaries_say() {
+    let binaries = binaries();
+    let table = shader_table::raster_shaders();
+    let find = |name: String| &binaries.iter().find(|(n, _)| *n == name).unwrap_or_else(|| panic!("no {name}")).1;
+    let drawn: BTreeSet<String> =
+        binaries.iter().filter(|(_, b)| b.local_size.is_none()).map(|(n, _)| n.clone()).collect();
+    let listed: BTreeSet<String> =
+        table.iter().flat_map(|(source, _)| [format!("{source}.vert"), format!("{source}.frag")]).collect();
+    assert_eq!(listed, drawn, "the table of raster shaders is not complete");
+    for (source, shader) in &table {
+        let (vertex, fragment) = (find(format!("{source}.vert")), find(format!("{source}.frag")));
+        assert_eq!(raster_faults(source, shader, vertex, fragment), [""; 0], "{source}");
+        // Planted mistakes are noticed.
+        let bytes = RasterShader { push_bytes: shader.push_bytes + 4, ..*shader };
+        assert_eq!(raster_faults(source, &bytes, vertex, fragment).len(), 1, "{source}");
+        if let [first, ..] = shader.bindings {
+            let twice = RasterShader { bindings: Box::leak(Box::new([*first, *first])), ..*shader };
+            assert_eq!(raster_faults(source, &twice, vertex, fragment).len(), 1, "{source}");
+            let swapped = raster_faults(source, shader, fragment, vertex);
+            assert!(swapped.iter().any(|fault| fault.contains("built in")), "{source}: {swapped:?}");
+        }
     }
 }
 

@@ -182,6 +182,7 @@ impl Reader<'_> {
             (StorageClass::StorageBuffer, Op::TypeStruct) => "storage buffer",
             (StorageClass::Uniform, Op::TypeStruct) => "uniform buffer",
             // Operand 5 of an image type: 2 means that it is used without a sampler.
+            (StorageClass::UniformConstant, Op::TypeSampledImage) => "sampled image",
             (StorageClass::UniformConstant, Op::TypeImage) if made.operands[5] == Operand::LiteralBit32(2) => {
                 "storage image"
             }
