@@ -38,7 +38,7 @@ enum Prepared {
     Image(ImageTechnique),
     Object(ObjectTechnique),
     Aligned(AlignedTechnique, AlignedFrame),
-    Dependent(DependentTechnique, CoverageReport),
+    Dependent(Box<DependentTechnique>, CoverageReport),
 }
 
 impl<'a> Painter<'a> {
@@ -131,7 +131,7 @@ impl<'a> Painter<'a> {
                     progress.step();
                 }
                 technique.finish_preparation();
-                Prepared::Dependent(technique, covered.report)
+                Prepared::Dependent(Box::new(technique), covered.report)
             }
         };
         Ok(Painter { scene, guides, technique, range })

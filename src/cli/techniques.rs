@@ -204,6 +204,10 @@ impl TechniqueFlags {
             }
             TechniqueName::Dependent => {
                 let views = self.dependent.views.as_deref().cloned().unwrap_or_else(default_views);
+                if !(512..=4096).contains(&self.dependent.view_size) {
+                    let size = self.dependent.view_size;
+                    return Err(Failure::new(format!("--view-size is {size}, but must be from 512 to 4096 pixels")));
+                }
                 let keep_contrast = self.blend == Blend::Contrast;
                 let params = DependentParams { quilt, k: self.k, keep_contrast, ..DependentParams::default() };
                 Technique::Dependent(views, self.dependent.view_size, params)

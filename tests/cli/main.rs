@@ -9,3 +9,4 @@ mod good;
 mod odd;
 mod render;
 mod support;
+mod techniques;
