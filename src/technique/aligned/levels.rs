@@ -180,7 +180,7 @@ impl LevelVolume {
         parts
     }
 
-    /// Records a part of the preparation. `seed` enters the random choices.
+    /// Records a part of the preparation. `seed` plus the level's number is the seed of its quilting.
     pub fn record_part(&self, recorder: &mut Recorder<'_>, part: &LevelPart, seed: u32) {
         if let Some(synthesis) = self.syntheses.get(part.level) {
             synthesis.record(recorder, &self.volume, part.steps.clone(), part.last, seed);
@@ -260,10 +260,10 @@ impl LevelSynthesis {
         Ok(LevelSynthesis { quilt, mask, copy, level })
     }
 
-    /// Records some of the quilting's steps, and after the last one what follows. The level's number takes the frame's
-    /// place in the random choices, so that levels do not repeat each other's.
+    /// Records some of the quilting's steps, and after the last one what follows. The level's number is added to the
+    /// seed, so that levels do not repeat each other's choices.
     pub fn record(&self, recorder: &mut Recorder<'_>, volume: &Volume, steps: Range<usize>, last: bool, seed: u32) {
-        self.quilt.record_part(recorder, steps, seed, self.level);
+        self.quilt.record_part(recorder, steps, seed.wrapping_add(self.level), 0);
         if last {
             if let Some(mask) = &self.mask {
                 mask.record(recorder);

@@ -300,7 +300,7 @@ impl DependentTechnique {
         parts
     }
 
-    /// Records a part of the preparation. `seed` enters the random choices.
+    /// Records a part of the preparation. `seed` plus the slice's number is the seed of its quilting.
     ///
     /// # Errors
     /// None for parts of [`DependentTechnique::preparation_parts`].
@@ -321,8 +321,7 @@ impl DependentTechnique {
             }
             ViewStep::Quilt(paint, steps) => {
                 if let Some(quilt) = preparation.quilts.get(*paint) {
-                    // The slice's number takes the frame's place in the random choices.
-                    quilt.record_part(recorder, steps.clone(), seed, slice as u32);
+                    quilt.record_part(recorder, steps.clone(), seed.wrapping_add(slice as u32), 0);
                 }
             }
             ViewStep::Copy => {
