@@ -51,7 +51,7 @@ pictures:
 
 bench:
 	@scripts/setup demo
-	$(CARGO) bench --locked --bench synthesis
+	$(CARGO) bench --locked --bench synthesis --bench techniques
 
 clean:
 	$(CARGO) clean

@@ -12,8 +12,11 @@ fn mesh(text: &str) -> Mesh {
     Mesh::parse(text.as_bytes(), "test", &MeshOptions::default()).expect("a mesh").mesh
 }
 
+/// Points, and triangles of them.
+type Part = (Vec<[f32; 3]>, Vec<[usize; 3]>);
+
 /// A wavy sheet of n by n points whose corner lies at `at`.
-fn sheet(n: usize, at: [f32; 3]) -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {
+fn sheet(n: usize, at: [f32; 3]) -> Part {
     let point = |i: usize| {
         let (x, z) = ((i % n) as f32, (i / n) as f32);
         [at[0] + 0.7 * x, at[1] + (1.3 * x).sin() + (0.9 * z).cos() + 0.2 * z, at[2] + 0.8 * z]
@@ -22,7 +25,7 @@ fn sheet(n: usize, at: [f32; 3]) -> (Vec<[f32; 3]>, Vec<[usize; 3]>) {
     ((0..n * n).map(point).collect(), faces.flat_map(|i| [[i, i + n, i + 1], [i + 1, i + n, i + n + 1]]).collect())
 }
 
-fn obj(parts: &[(Vec<[f32; 3]>, Vec<[usize; 3]>)]) -> Mesh {
+fn obj(parts: &[Part]) -> Mesh {
     let (mut text, mut first) = (String::new(), 1);
     for (points, faces) in parts {
         points.iter().for_each(|[x, y, z]| text.push_str(&format!("v {x} {y} {z}\n")));

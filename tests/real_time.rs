@@ -422,6 +422,7 @@ const VIEWS: [View; 3] = [
     View { yaw_deg: 240.0, pitch_deg: -30.0 },
 ];
 
+#[allow(clippy::too_many_arguments)] // as DependentTechnique::new
 fn dependent(
     gpu: &Validated,
     runner: &mut Runner,

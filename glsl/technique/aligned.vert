@@ -1,7 +1,7 @@
 #version 450
-// View-aligned projection: one triangle that covers the picture. Push constants are those of aligned.frag.
+// View-aligned projection: one triangle that covers the picture, at the far plane. Push constants are those of aligned.frag.
 
 void main() {
     vec2 corner = vec2(gl_VertexIndex == 1 ? 3.0 : -1.0, gl_VertexIndex == 2 ? 3.0 : -1.0);
-    gl_Position = vec4(corner, 0.0, 1.0);
+    gl_Position = vec4(corner, 1.0, 1.0);
 }

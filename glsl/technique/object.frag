@@ -24,10 +24,12 @@ layout(push_constant) uniform Push {
     float density;
     uint paint;
     uint show;
-    uint keep_paint;
 } push;
 
 layout(location = 0) out vec4 frame;
+
+// Whether to keep the paint where the mapping loses it; set when the pipeline is made.
+layout(constant_id = 0) const uint KEEP_PAINT = 1;
 
 // How far to each side of its shade a flat place takes texture from, as a part of the strip.
 const float WINDOW = 0.0625;
@@ -48,27 +50,20 @@ void main() {
     vec2 size = vec2(textureSize(strip, 0));
     vec2 st = vec2((tone * (size.x - 1.0) + 0.5) / size.x, vertex_t);
     vec3 difference = 2.0 * textureLod(strip, st, 0.0).rgb - 1.0;
-    if (push.keep_paint != 0) {
+    if (KEEP_PAINT != 0) {
         vec2 st_x = dFdx(st) * size;
         vec2 st_y = dFdy(st) * size;
-        vec3 p_x = dFdx(world_position);
-        vec3 p_y = dFdy(world_position);
+        vec3 face = cross(dFdx(world_position), dFdy(world_position));
         float texels = abs(st_x.x * st_y.y - st_x.y * st_y.x);
-        vec3 face = cross(p_x, p_y);
         float side = push.density * size.y;
         float wanted = length(face) * side * side;
-        float mapped = wanted > 0.0 ? smoothstep(LOST, KEPT, texels / wanted) : 1.0;
-        if (mapped < 1.0) {
-            vec3 place = world_position * push.density;
-            // Sharp weights, so that hardly a place blends two planes.
-            vec3 weight = pow(abs(face) / max(length(face), 1e-30), vec3(8.0));
-            weight /= max(weight.x + weight.y + weight.z, 1e-30);
-            vec3 planes = weight.x * on_plane(place.zy, tone, size) + weight.y * on_plane(place.xz, tone, size) +
-                          weight.z * on_plane(place.xy, tone, size);
-            planes *= contrast_kept(dot(weight, weight));
-            float rest = 1.0 - mapped;
-            difference = (mapped * difference + rest * planes) * contrast_kept(mapped * mapped + rest * rest);
-        }
+        float lost = wanted > 0.0 ? 1.0 - smoothstep(LOST, KEPT, texels / wanted) : 0.0;
+        // The plane that the face lies flattest on; blending all three would cost two more samples for every pixel.
+        vec3 flat_on = abs(face);
+        vec3 place = world_position * push.density;
+        vec2 on = flat_on.y >= max(flat_on.x, flat_on.z) ? place.xz : flat_on.x >= flat_on.z ? place.zy : place.xy;
+        vec3 plane = on_plane(on, tone, size);
+        difference = mix(difference, plane, lost) * contrast_kept(lost * lost + (1.0 - lost) * (1.0 - lost));
     }
     frame = shown(unpackUnorm4x8(imageLoad(colors, color_place(tone, push.paint)).r).rgb, difference, push.show);
 }

@@ -13,7 +13,6 @@ layout(push_constant) uniform Push {
     float density;
     uint paint;
     uint show;
-    uint keep_paint;
 } push;
 
 layout(location = 0) out vec3 world_position;

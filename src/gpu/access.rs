@@ -33,6 +33,8 @@ pub enum Access {
     ColorAttachment,
     /// Rendered to and tested against as a depth attachment that is cleared first.
     DepthAttachment,
+    /// Tested against as a depth attachment whose content stays as it is.
+    DepthTest,
     /// Read by the host after a wait for the submission.
     HostRead,
 }
@@ -69,6 +71,8 @@ impl Access {
                 (S::COLOR_ATTACHMENT_OUTPUT, color_access, L::COLOR_ATTACHMENT_OPTIMAL, true, true)
             }
             Access::DepthAttachment => (depth, depth_access, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, true, true),
+            // A render pass stores what it has loaded, which counts as a write.
+            Access::DepthTest => (depth, depth_access, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, true, false),
             Access::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false, false),
         };
         AccessInfo { stages, access, layout, writes, discards }

@@ -27,7 +27,7 @@ pub use pipeline::{BindingKind, PipelineCacheFile, RasterShader, Shader};
 pub(crate) use pipeline::{BindingSet, ComputePipeline};
 pub use recorder::Recorder;
 pub(crate) use render_pass::{
-    Attachment, Draw, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, VertexAttribute,
+    Attachment, Draw, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, Role, VertexAttribute,
 };
 pub use runner::Runner;
 pub use timing::{PassTime, PassTimer};

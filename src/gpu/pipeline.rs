@@ -99,6 +99,12 @@ pub(crate) fn set_layout(
     unsafe { context.device().create_descriptor_set_layout(&info, None) }.map_err(vulkan("vkCreateDescriptorSetLayout"))
 }
 
+/// Where the specialisation constants 0, 1, ... lie, 4 bytes each.
+pub(crate) fn specialization_entries(constants: &[u32]) -> Vec<vk::SpecializationMapEntry> {
+    let entry = |(id, _)| vk::SpecializationMapEntry { constant_id: id, offset: id * 4, size: 4 };
+    (0..).zip(constants).map(entry).collect()
+}
+
 pub(crate) fn shader_module(context: &Context, name: &str, spirv: &[u8]) -> Result<vk::ShaderModule> {
     let words = ash::util::read_spv(&mut std::io::Cursor::new(spirv))
         .map_err(|e| Error::Device(format!("shader {name} is damaged: {e}")))?;
@@ -131,10 +137,7 @@ impl ComputePipeline {
     /// [`Error::Vulkan`] when a call fails.
     pub fn specialized(context: &Context, shader: &Shader, constants: &[u32]) -> Result<Self> {
         let device = context.device();
-        let entries: Vec<_> = (0..)
-            .zip(constants)
-            .map(|(id, _)| vk::SpecializationMapEntry { constant_id: id, offset: id * 4, size: 4 })
-            .collect();
+        let entries = specialization_entries(constants);
         let specialization =
             vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
         // What was made so far is freed when a later call fails: `pipeline` owns it.

@@ -1,12 +1,14 @@
 //! Explicit render passes, framebuffers and raster pipelines.
 //!
-//! Attachments are cleared at the start and stored at the end. Their layouts are brought about by the recorder's
+//! Attachments are cleared at the start, unless they are kept, and stored at the end. Their layouts are brought about by the recorder's
 //! barriers before the pass, so the render pass itself changes none.
 
 use super::access::Access;
 use super::context::{vulkan, Context};
 use super::memory::{Buffer, Garbage, Image};
-use super::pipeline::{set_layout, shader_module, Bindable, BindingKind, BindingSet, RasterShader};
+use super::pipeline::{
+    set_layout, shader_module, specialization_entries, Bindable, BindingKind, BindingSet, RasterShader,
+};
 use super::recorder::{Recorder, Use};
 use crate::Result;
 use ash::vk;
@@ -17,8 +19,19 @@ use std::ops::Range;
 pub(crate) struct Attachment {
     /// Its format.
     pub format: vk::Format,
-    /// True for the depth attachment, which must be the last one.
-    pub depth: bool,
+    /// What it is for.
+    pub role: Role,
+}
+
+/// What an attachment is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// Drawn to.
+    Color,
+    /// Depth, which must be the last attachment: the nearest is drawn.
+    Depth,
+    /// Depth that was drawn before, the last attachment too: what lies behind it is drawn, and it stays as it is.
+    DepthBefore,
 }
 
 impl Attachment {
@@ -26,16 +39,27 @@ impl Attachment {
         self.access().info().layout
     }
 
+    fn is_depth(self) -> bool {
+        self.role != Role::Color
+    }
+
     fn access(self) -> Access {
-        if self.depth {
-            Access::DepthAttachment
-        } else {
-            Access::ColorAttachment
+        match self.role {
+            Role::Color => Access::ColorAttachment,
+            Role::Depth => Access::DepthAttachment,
+            Role::DepthBefore => Access::DepthTest,
+        }
+    }
+
+    fn load_op(self) -> vk::AttachmentLoadOp {
+        match self.role {
+            Role::DepthBefore => vk::AttachmentLoadOp::LOAD,
+            _ => vk::AttachmentLoadOp::CLEAR,
         }
     }
 }
 
-/// A render pass of one subpass that clears and stores all of its attachments.
+/// A render pass of one subpass that stores all of its attachments.
 pub(crate) struct RenderPass {
     context: Context,
     handle: vk::RenderPass,
@@ -54,7 +78,7 @@ impl RenderPass {
                 vk::AttachmentDescription::default()
                     .format(a.format)
                     .samples(vk::SampleCountFlags::TYPE_1)
-                    .load_op(vk::AttachmentLoadOp::CLEAR)
+                    .load_op(a.load_op())
                     .store_op(vk::AttachmentStoreOp::STORE)
                     .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
                     .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
@@ -65,7 +89,7 @@ impl RenderPass {
         let reference = |i: usize, a: &Attachment| vk::AttachmentReference { attachment: i as u32, layout: a.layout() };
         let (mut colors, mut depth) = (Vec::new(), None);
         for (i, a) in attachments.iter().enumerate() {
-            if a.depth {
+            if a.is_depth() {
                 depth = Some(reference(i, a));
             } else {
                 colors.push(reference(i, a));
@@ -142,7 +166,7 @@ pub(crate) struct VertexAttribute {
     pub offset_bytes: u32,
 }
 
-/// How to make a [`RasterPipeline`]: triangles, depth test LESS where there is a depth attachment.
+/// How to make a [`RasterPipeline`]: triangles, with the depth test that the pass's attachment asks for.
 pub(crate) struct RasterDesc<'a> {
     /// Its shaders.
     pub shader: RasterShader,
@@ -152,6 +176,8 @@ pub(crate) struct RasterDesc<'a> {
     pub attributes: &'a [VertexAttribute],
     /// Leave out triangles that show their back.
     pub cull_back: bool,
+    /// The fragment shader's specialisation constants 0, 1, ...
+    pub constants: &'a [u32],
 }
 
 /// A vertex and a fragment shader that share bindings and push constants, ready to draw triangles.
@@ -217,7 +243,13 @@ impl RasterPipeline {
         };
         let stage =
             |flag, module| vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module).name(c"main");
-        let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
+        let entries = specialization_entries(desc.constants);
+        let specialization =
+            vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(desc.constants));
+        let stages = [
+            stage(vk::ShaderStageFlags::VERTEX, vertex),
+            stage(vk::ShaderStageFlags::FRAGMENT, fragment).specialization_info(&specialization),
+        ];
         let bindings = [vk::VertexInputBindingDescription::default().stride(desc.vertex_bytes)];
         let attributes: Vec<_> = (0..)
             .zip(desc.attributes)
@@ -241,14 +273,15 @@ impl RasterPipeline {
             .line_width(1.0);
         let samples =
             vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
-        let has_depth = pass.attachments.iter().any(|a| a.depth);
+        let drawn = pass.attachments.iter().any(|a| a.role == Role::Depth);
+        let before = pass.attachments.iter().any(|a| a.role == Role::DepthBefore);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(has_depth)
-            .depth_write_enable(has_depth)
-            .depth_compare_op(vk::CompareOp::LESS);
+            .depth_test_enable(drawn || before)
+            .depth_write_enable(drawn)
+            .depth_compare_op(if before { vk::CompareOp::GREATER } else { vk::CompareOp::LESS });
         let write_all =
             vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-        let blends = vec![write_all; pass.attachments.iter().filter(|a| !a.depth).count()];
+        let blends = vec![write_all; pass.attachments.iter().filter(|a| !a.is_depth()).count()];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
         let dynamics = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamics);
@@ -324,7 +357,7 @@ impl Recorder<'_> {
             .attachments
             .iter()
             .map(|a| {
-                if a.depth {
+                if a.is_depth() {
                     vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } }
                 } else {
                     vk::ClearValue { color: vk::ClearColorValue { uint32: [0; 4] } }

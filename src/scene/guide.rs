@@ -6,7 +6,7 @@
 use super::{Camera, Lights, Mesh, Solid};
 use crate::gpu::{
     Attachment, Buffer, BufferKind, Context, Draw, Framebuffer, Geometry, Image, ImageDesc, RasterDesc, RasterPipeline,
-    RasterShader, Recorder, RenderPass, Uploads, VertexAttribute,
+    RasterShader, Recorder, RenderPass, Role, Uploads, VertexAttribute,
 };
 use crate::Result;
 use ash::vk;
@@ -66,9 +66,9 @@ impl GuidePass {
         let id = image("guide id", vk::Format::R32_UINT, color)?;
         let depth = image("guide depth", context.caps().depth_format, U::DEPTH_STENCIL_ATTACHMENT | U::TRANSFER_SRC)?;
         let attachments = [
-            Attachment { format: shade.format(), depth: false },
-            Attachment { format: id.format(), depth: false },
-            Attachment { format: depth.format(), depth: true },
+            Attachment { format: shade.format(), role: Role::Color },
+            Attachment { format: id.format(), role: Role::Color },
+            Attachment { format: depth.format(), role: Role::Depth },
         ];
         let pass = RenderPass::new(context, "guide", &attachments)?;
         let target = Framebuffer::new(context, &pass, &[&shade, &id, &depth])?;
@@ -83,6 +83,7 @@ impl GuidePass {
                     attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, id)),
                 ],
                 cull_back,
+                constants: &[],
             };
             RasterPipeline::new(context, &pass, &desc)
         };

@@ -18,7 +18,7 @@ use super::colors::ColorTable;
 use super::{check_paints, paint_picture, ShadeRange, Show};
 use crate::gpu::{
     Access, Attachment, BindingKind, BindingSet, Context, Draw, Framebuffer, Image, ImageDesc, RasterDesc,
-    RasterPipeline, RasterShader, Recorder, RenderPass, Sampler, Uploads,
+    RasterPipeline, RasterShader, Recorder, RenderPass, Role, Sampler, Uploads,
 };
 use crate::paint::Trajectory;
 use crate::scene::GuidePass;
@@ -148,9 +148,15 @@ impl AlignedTechnique {
         let colors = ColorTable::new(context, uploads, trajectories.iter().copied())?;
         let [width, height, _] = guides.shade().size_px();
         let frame = Image::new(context, "aligned frame", &ImageDesc::frame(width, height))?;
-        let pass = RenderPass::new(context, "aligned", &[Attachment { format: frame.format(), depth: false }])?;
-        let target = Framebuffer::new(context, &pass, &[&frame])?;
-        let desc = RasterDesc { shader: ALIGNED, vertex_bytes: 0, attributes: &[], cull_back: false };
+        // The triangle lies at the far end: the test against the guides' depth leaves out the background, which on some
+        // devices spares all of its work.
+        let attachments = [
+            Attachment { format: frame.format(), role: Role::Color },
+            Attachment { format: guides.depth().format(), role: Role::DepthBefore },
+        ];
+        let pass = RenderPass::new(context, "aligned", &attachments)?;
+        let target = Framebuffer::new(context, &pass, &[&frame, guides.depth()])?;
+        let desc = RasterDesc { shader: ALIGNED, vertex_bytes: 0, attributes: &[], cull_back: false, constants: &[] };
         let pipeline = RasterPipeline::new(context, &pass, &desc)?;
         let (repeat, clamp) = (vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE);
         let sampler = Sampler::linear(context, [repeat, repeat, clamp])?;

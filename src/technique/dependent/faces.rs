@@ -2,7 +2,7 @@
 
 use crate::gpu::{
     Attachment, Buffer, Context, Draw, Framebuffer, Geometry, Image, ImageDesc, RasterDesc, RasterPipeline,
-    RasterShader, Recorder, RenderPass, Uploads, VertexAttribute,
+    RasterShader, Recorder, RenderPass, Role, Uploads, VertexAttribute,
 };
 use crate::scene::{upload_geometry, Camera, Lights, Mesh};
 use crate::Result;
@@ -62,7 +62,8 @@ impl FacePass {
         let face = image("view faces", vk::Format::R32_UINT, color)?;
         let depth = image("view depth", context.caps().depth_format, U::DEPTH_STENCIL_ATTACHMENT)?;
         let images = [&shade, &id, &face, &depth];
-        let attachments = [0, 1, 2, 3].map(|i| Attachment { format: images[i].format(), depth: i == 3 });
+        let attachments = [0, 1, 2, 3]
+            .map(|i| Attachment { format: images[i].format(), role: if i == 3 { Role::Depth } else { Role::Color } });
         let pass = RenderPass::new(context, "faces", &attachments)?;
         let target = Framebuffer::new(context, &pass, &images)?;
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
@@ -75,6 +76,7 @@ impl FacePass {
                 attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, id)),
             ],
             cull_back: true,
+            constants: &[],
         };
         let pipeline = RasterPipeline::new(context, &pass, &desc)?;
         let objects = mesh.object_of_vertex();

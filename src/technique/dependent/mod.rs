@@ -24,7 +24,7 @@ use super::image::{GuidePush, IMAGE_GUIDE};
 use super::{check_paints, Paint, ShadeRange, Show};
 use crate::gpu::{
     Access, Attachment, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Draw, Framebuffer,
-    Geometry, Image, ImageDesc, RasterDesc, RasterPipeline, RasterShader, Recorder, RenderPass, Sampler, Shader,
+    Geometry, Image, ImageDesc, RasterDesc, RasterPipeline, RasterShader, Recorder, RenderPass, Role, Sampler, Shader,
     Uploads, VertexAttribute,
 };
 use crate::paint::Trajectory;
@@ -239,8 +239,10 @@ impl DependentTechnique {
         let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let desc = ImageDesc { size_px: [size.0, size.1, 1], format: context.caps().depth_format, usage };
         let depth = Image::new(context, "dependent depth", &desc)?;
-        let attachments =
-            [Attachment { format: frame.format(), depth: false }, Attachment { format: depth.format(), depth: true }];
+        let attachments = [
+            Attachment { format: frame.format(), role: Role::Color },
+            Attachment { format: depth.format(), role: Role::Depth },
+        ];
         let pass = RenderPass::new(context, "dependent", &attachments)?;
         let target = Framebuffer::new(context, &pass, &[&frame, &depth])?;
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
@@ -254,6 +256,7 @@ impl DependentTechnique {
                     attribute(vk::Format::R32G32_UINT, std::mem::offset_of!(Vertex, set_and_paint)),
                 ],
                 cull_back,
+                constants: &[],
             };
             RasterPipeline::new(context, &pass, &desc)
         };

@@ -23,7 +23,7 @@ use super::colors::ColorTable;
 use super::{check_paints, Paint, ShadeRange, Show};
 use crate::gpu::{
     Access, Attachment, BindingKind, BindingSet, Buffer, Context, Draw, Framebuffer, Geometry, Image, ImageDesc,
-    RasterDesc, RasterPipeline, RasterShader, Recorder, RenderPass, Sampler, Uploads, VertexAttribute,
+    RasterDesc, RasterPipeline, RasterShader, Recorder, RenderPass, Role, Sampler, Uploads, VertexAttribute,
 };
 use crate::paint::{TextureDifference, Trajectory};
 use crate::scene::{upload_geometry, Camera, Lights, Mesh, Solid};
@@ -48,7 +48,6 @@ struct Push {
     density: f32,
     paint: u32,
     show: u32,
-    keep_paint: u32,
 }
 
 #[repr(C)]
@@ -89,7 +88,6 @@ impl Default for ObjectParams {
 
 /// The technique, prepared for a mesh and its paints.
 pub struct ObjectTechnique {
-    keep_paint: bool,
     density: f32,
     solid: Solid,
     vertices: Buffer,
@@ -128,8 +126,10 @@ impl ObjectTechnique {
         let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let desc = ImageDesc { size_px: [size.0, size.1, 1], format: context.caps().depth_format, usage };
         let depth = Image::new(context, "object depth", &desc)?;
-        let attachments =
-            [Attachment { format: frame.format(), depth: false }, Attachment { format: depth.format(), depth: true }];
+        let attachments = [
+            Attachment { format: frame.format(), role: Role::Color },
+            Attachment { format: depth.format(), role: Role::Depth },
+        ];
         let pass = RenderPass::new(context, "object", &attachments)?;
         let target = Framebuffer::new(context, &pass, &[&frame, &depth])?;
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
@@ -143,6 +143,7 @@ impl ObjectTechnique {
                     attribute(vk::Format::R32_SFLOAT, std::mem::offset_of!(Vertex, t)),
                 ],
                 cull_back,
+                constants: &[u32::from(params.keep_paint)],
             };
             RasterPipeline::new(context, &pass, &desc)
         };
@@ -172,7 +173,6 @@ impl ObjectTechnique {
             sets.push(BindingSet::new(context, &pipelines[0], &bound)?);
         }
         Ok(ObjectTechnique {
-            keep_paint: params.keep_paint,
             density: density(mesh, &params.coordinates)?,
             solid: Solid::new(mesh),
             vertices,
@@ -214,7 +214,6 @@ impl ObjectTechnique {
                     density: self.density,
                     paint: *paint as u32,
                     show: show as u32,
-                    keep_paint: u32::from(self.keep_paint),
                 },
                 range: indices.clone(),
             })
