@@ -10,10 +10,15 @@ use host::{calls, Host, HostImage};
 use impasto::gpu::{
     Buffer, BufferKind, Context, HostDevice, Image, ImageDesc, Recorder, ResourceState, Runner, Uploads,
 };
+use impasto::paint::{TextureDifference, Trajectory};
 use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
+use impasto::technique::aligned::{AlignedFrame, AlignedTechnique, LevelParams, LevelSource, LevelVolume};
+use impasto::technique::dependent::{DependentParams, DependentTechnique, View, ViewCoverage};
+use impasto::technique::object::{ObjectParams, ObjectTechnique};
+use impasto::technique::{Paint, ShadeRange, Show};
 
 const SAMPLE: (u32, u32) = (64, 40);
 const OUTPUT: (u32, u32) = (90, 70);
@@ -259,6 +264,136 @@ fn recording_a_frame_only_records() {
     }
     assert_eq!(frames.len(), 4, "frames of one seed are alike");
     drop((quilt, pass, uploads, context));
+    assert_silent(&host.destroy());
+}
+
+/// Runs what is recorded by what it is given.
+type Run<'a> = &'a mut dyn FnMut(&mut dyn FnMut(&mut Recorder<'_>));
+
+/// The real-time techniques as any device draws them: prepared part by part, then frames.
+struct RealTime {
+    guides: GuidePass,
+    object: ObjectTechnique,
+    aligned: AlignedTechnique,
+    dependent: DependentTechnique,
+    camera: Camera,
+}
+
+impl RealTime {
+    fn new(context: &Context, mesh: &Mesh, run: Run<'_>) -> Self {
+        let mut uploads = Uploads::default();
+        let camera = Camera::framing(mesh, &Framing::default(), 9.0 / 7.0).expect("a camera");
+        let pixels = noise(96, 64, 4).iter().map(|p| [0, 1, 2].map(|k| f32::from(p[k]) / 255.0 - 0.5)).collect();
+        let texture = TextureDifference::from_pixels(96, 64, pixels).expect("a difference");
+        let trajectory = Trajectory::from_colors(vec![[0.1, 0.2, 0.3], [0.9, 0.8, 0.6]]).expect("a trajectory");
+        let paints = [Paint { texture: &texture, trajectory: &trajectory }];
+        let quilt = QuiltParams { block_px: 32, overlap_px: 4, ..PARAMS };
+        let stages = QuiltStages::new(context).expect("stages");
+        let guides = GuidePass::new(context, &mut uploads, mesh, OUTPUT).expect("guides");
+        let params = ObjectParams::default();
+        let object = ObjectTechnique::new(context, &mut uploads, mesh, OUTPUT, &paints, &[0], &params).expect("object");
+        let params = LevelParams { levels: 3, size_px: 64, quilt, ..LevelParams::default() };
+        let sources = [LevelSource::Strip(&texture)];
+        let levels = LevelVolume::new(context, &mut uploads, &stages, &sources, &params).expect("levels");
+        let aligned = AlignedTechnique::new(context, &mut uploads, &guides, levels, &[&trajectory], &[0]);
+        let mut aligned = aligned.expect("aligned");
+        let views = [View { yaw_deg: 20.0, pitch_deg: 10.0 }, View { yaw_deg: 200.0, pitch_deg: 0.0 }];
+        let mut coverage = ViewCoverage::new(context, &mut uploads, mesh, &views, 512).expect("views");
+        loop {
+            run(&mut |recorder| {
+                uploads.record(recorder);
+                coverage.record(recorder).expect("cameras");
+            });
+            if !coverage.advance(context, &mut uploads).expect("memory") {
+                break;
+            }
+        }
+        let (covered, lights) = (coverage.finish(), Lights::default());
+        let params = DependentParams { quilt, ..DependentParams::default() };
+        let mut dependent = DependentTechnique::new(
+            context,
+            &mut uploads,
+            &stages,
+            mesh,
+            &lights,
+            &covered,
+            512,
+            OUTPUT,
+            &paints,
+            &[0],
+            &params,
+        )
+        .expect("dependent");
+        run(&mut |recorder| {
+            uploads.record(recorder);
+            for part in aligned.levels().parts(u64::MAX) {
+                aligned.levels().record_part(recorder, &part, 3);
+            }
+            for part in dependent.preparation_parts(u64::MAX) {
+                dependent.record_preparation(recorder, &part, 3).expect("a part");
+            }
+        });
+        aligned.levels_mut().finish();
+        dependent.finish_preparation();
+        RealTime { guides, object, aligned, dependent, camera }
+    }
+
+    fn record(&self, recorder: &mut Recorder<'_>) {
+        let (camera, lights) = (&self.camera, Lights::default());
+        self.guides.record(recorder, camera, &lights).expect("a picture's shape");
+        self.object.record(recorder, camera, &lights, ShadeRange::default(), Show::Painted).expect("a picture's shape");
+        self.aligned.record(recorder, &AlignedFrame::default()).expect("a frame in range");
+        self.dependent.record(recorder, camera, &lights, Show::Painted).expect("a picture's shape");
+    }
+
+    fn frames(&self) -> [&Image; 3] {
+        [self.object.frame(), self.aligned.frame(), self.dependent.frame()]
+    }
+}
+
+#[test]
+fn the_real_time_techniques_give_the_same_bytes_and_only_record() {
+    let asset = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/head.obj");
+    let mesh = Mesh::load(asset, &MeshOptions::default()).expect("a mesh").mesh;
+    let gpu = Validated::new();
+    let mut runner = gpu.runner();
+    let own = RealTime::new(&gpu.context, &mesh, &mut |record| {
+        runner
+            .run(|recorder| {
+                record(recorder);
+                Ok(())
+            })
+            .expect("run");
+    });
+    runner
+        .run(|recorder| {
+            own.record(recorder);
+            Ok(())
+        })
+        .expect("run");
+    let expected = own.frames().map(|frame| runner.read_image(frame).expect("a frame"));
+    assert!(expected.iter().all(|frame| frame.chunks(4).filter(|pixel| pixel[3] == 255).count() > 500));
+
+    let host = Host::new();
+    let context = borrow(host.lent());
+    let lent = RealTime::new(&context, &mesh, &mut |record| {
+        host.run(|commands| record(&mut recorder(&context, commands)));
+    });
+    // What was staged and what only the preparation needed goes here.
+    context.advance(2, 1);
+    let commands = host.begin();
+    calls::take();
+    lent.record(&mut recorder(&context, commands));
+    let recorded = calls::take();
+    host.end(commands);
+    host.submit(&[commands]);
+    host.wait();
+    let names: Vec<_> = recorded.keys().copied().collect();
+    assert_eq!(names, ["vkCmdDispatch", "vkCmdDrawIndexed"], "{recorded:?}");
+    for (frame, expected) in lent.frames().into_iter().zip(&expected) {
+        assert!(&host.read_image(frame.handle(), frame.layout(), OUTPUT) == expected);
+    }
+    drop((lent, context));
     assert_silent(&host.destroy());
 }
 

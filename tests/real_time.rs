@@ -416,6 +416,52 @@ fn object_paint_is_lost_on_the_table_unless_it_is_kept() {
     assert!(kept > 3.0, "the table keeps some texture, but it is {kept}");
 }
 
+/// Mean luminance of the pixels of each eighth of the range of shade.
+fn luminance_by_shade(frame: &[[u8; 4]], shade: &[f32], id: &[u32]) -> Vec<f64> {
+    let mut bins = vec![(0.0, 0u32); 8];
+    for ((p, s), _) in frame.iter().zip(shade).zip(id).filter(|((p, _), id)| **id != 0 && p[3] == 255) {
+        let bin = &mut bins[((s * 8.0) as usize).min(7)];
+        bin.0 += 0.299 * f64::from(p[0]) + 0.587 * f64::from(p[1]) + 0.114 * f64::from(p[2]);
+        bin.1 += 1;
+    }
+    bins.into_iter().filter(|(_, count)| *count > 50).map(|(sum, count)| sum / f64::from(count)).collect()
+}
+
+#[test]
+fn every_technique_keeps_the_order_of_shades() {
+    let gpu = Validated::new();
+    let mut runner = gpu.runner();
+    let mesh = model("head.obj");
+    let size = (160, 160);
+    let (camera, lights) = (Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera"), Lights::default());
+    let (pass, shade, id) = guide(&gpu, &mut runner, &mesh, &camera, &lights, size);
+    let (texture, trajectory) = strip("strip_red_yellow.png");
+    let paints = [Paint { texture: &texture, trajectory: &trajectory }];
+    let mut uploads = Uploads::default();
+    let object = ObjectTechnique::new(&gpu.context, &mut uploads, &mesh, size, &paints, &[0], &ObjectParams::default());
+    let object = object.expect("object");
+    let volume = levels(&gpu, &mut runner, &[LevelSource::Strip(&texture)], &LevelParams { levels: 8, ..LEVELS }, 1);
+    let aligned = AlignedTechnique::new(&gpu.context, &mut uploads, &pass, volume, &[&trajectory], &[0]).expect("new");
+    let covered = ViewCoverage::run(&gpu.context, &mut runner, &mesh, &VIEWS, 512).expect("covered");
+    let params = DependentParams { k: Some(0.25), ..Default::default() };
+    let views = dependent(&gpu, &mut runner, &mesh, &covered, size, &paints, &[0], &params);
+    for part in views.preparation_parts(400_000_000) {
+        runner.run(|recorder| views.record_preparation(recorder, &part, 1)).expect("run");
+    }
+    runner
+        .run(|recorder| {
+            uploads.record(recorder);
+            object.record(recorder, &camera, &lights, ShadeRange::default(), Show::Painted)?;
+            aligned.record(recorder, &AlignedFrame::default())?;
+            views.record(recorder, &camera, &lights, Show::Painted)
+        })
+        .expect("run");
+    for (name, frame) in [("object", object.frame()), ("aligned", aligned.frame()), ("dependent", views.frame())] {
+        let light = luminance_by_shade(&rgba(&mut runner, frame), &shade, &id);
+        assert!(light.len() >= 7 && light.windows(2).all(|pair| pair[0] < pair[1]), "{name}: {light:?}");
+    }
+}
+
 const VIEWS: [View; 3] = [
     View { yaw_deg: 0.0, pitch_deg: 0.0 },
     View { yaw_deg: 120.0, pitch_deg: 20.0 },

@@ -2,8 +2,9 @@
 // Object-based texture mapping (thesis chapter 5): s is the shade, t the vertices' own coordinate.
 //
 // Where the surface is flat, or lit along the direction of t, the place on the strip hardly changes over the surface:
-// one texel spreads over all of it and the paint is lost (figures 5.2 and 5.3). With `keep_paint` such places take
-// their texture from three planes through the object instead, from the part of the strip around their shade.
+// one texel spreads over all of it and the paint is lost (figures 5.2 and 5.3). With KEEP_PAINT such places take
+// their texture from the plane of two world axes that they lie flattest on instead, from the part of the strip around
+// their shade.
 // In:  the strip's texture difference, which repeats along t; the paints' colours.  Out: frame.
 #extension GL_GOOGLE_include_directive : require
 #include "../scene/shade.glsl"
