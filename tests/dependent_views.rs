@@ -378,26 +378,6 @@ fn a_head_is_covered() {
     assert!(covered.report.forced * 50 < covered.report.faces, "{:?}", covered.report);
 }
 
-/// For whoever has a large model: `MODEL=path cargo test --release --test dependent_views -- --ignored --nocapture`.
-#[test]
-#[ignore = "needs a model"]
-fn time_of_a_large_model() {
-    let path = std::env::var("MODEL").expect("MODEL names a model file");
-    let mesh = Mesh::load(path, &MeshOptions::default()).expect("a model").mesh;
-    let start = std::time::Instant::now();
-    let mut coverage = Coverage::new(&mesh, &default_views(), SIZE_PX).expect("usable views");
-    println!("new: {:?}", start.elapsed());
-    while let Some(round) = coverage.round() {
-        let pictures = pictures(&mesh, &round);
-        let start = std::time::Instant::now();
-        coverage.take(&pictures).expect("fitting pictures");
-        println!("take, {} faces: {:?}", round.faces.len(), start.elapsed());
-    }
-    let start = std::time::Instant::now();
-    let covered = coverage.finish();
-    println!("finish: {:?}\n{:?}", start.elapsed(), covered.report);
-}
-
 fn parameter_of<T>(result: impasto::Result<T>) -> &'static str {
     match result {
         Err(Error::Parameter { name, .. }) => name,

@@ -144,7 +144,7 @@ const SCRIPT: [Step; 24] = [
         arguments: "render head.obj --paint strip_dark_red.png -o red_aligned.png --size SIZE --levels \
                     --technique aligned",
         title: "Dark red, view-aligned",
-        text: "",
+        text: "Long strokes stay near the vertical of the picture.",
         pictures: &[("red_aligned.png", "View-aligned")],
         repeated: None,
     },
@@ -152,7 +152,7 @@ const SCRIPT: [Step; 24] = [
         arguments: "render head.obj --paint strip_dark_red.png -o red_dependent.png --size SIZE --levels \
                     --technique dependent",
         title: "Dark red, view-dependent",
-        text: "",
+        text: "Strokes follow the form from view to view.",
         pictures: &[("red_dependent.png", "View-dependent")],
         repeated: None,
     },
@@ -160,7 +160,7 @@ const SCRIPT: [Step; 24] = [
         arguments: "render head.obj --paint strip_red_yellow.png -o yellow_object.png --size SIZE --levels \
                     --technique object",
         title: "Red and yellow, object-based",
-        text: "",
+        text: "The strip's own transition of colours, around the head.",
         pictures: &[("yellow_object.png", "Object-based"), ("head_red_yellow.png", "Image-based")],
         repeated: None,
     },
@@ -168,7 +168,7 @@ const SCRIPT: [Step; 24] = [
         arguments: "render head.obj --paint strip_red_yellow.png -o yellow_aligned.png --size SIZE --levels \
                     --technique aligned",
         title: "Red and yellow, view-aligned",
-        text: "",
+        text: "Diagonal strokes, alike over the whole picture.",
         pictures: &[("yellow_aligned.png", "View-aligned")],
         repeated: None,
     },
@@ -176,7 +176,7 @@ const SCRIPT: [Step; 24] = [
         arguments: "render head.obj --paint strip_red_yellow.png -o yellow_dependent.png --size SIZE --levels \
                     --technique dependent",
         title: "Red and yellow, view-dependent",
-        text: "",
+        text: "Diagonal strokes of each view, blended.",
         pictures: &[("yellow_dependent.png", "View-dependent")],
         repeated: None,
     },

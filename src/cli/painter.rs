@@ -174,9 +174,8 @@ impl<'a> Painter<'a> {
         let shade = match &self.technique {
             Prepared::Image(technique) => floats(&device.runner.read_image(technique.shade())?),
             _ => {
-                let ShadeRange { low, high } = self.range;
-                let spread = |s: f32| if high > low { ((s - low) / (high - low)).clamp(0.0, 1.0) } else { s };
-                floats(&device.runner.read_image(self.guides.shade())?).into_iter().map(spread).collect()
+                let shade = floats(&device.runner.read_image(self.guides.shade())?);
+                shade.into_iter().map(|shade| self.range.spread(shade)).collect()
             }
         };
         let id = self.ids(device)?;

@@ -16,6 +16,7 @@ pub mod image;
 pub mod object;
 
 mod colors;
+mod mesh_pass;
 
 use crate::gpu::{Context, Image, ImageDesc, Uploads};
 use crate::paint::{TextureDifference, Trajectory};
@@ -85,6 +86,15 @@ impl ShadeRange {
             bin.unwrap_or_default() as f32 / 1023.0
         };
         ShadeRange { low: place(&|i| i), high: place(&|i| 1023 - i) }
+    }
+
+    /// Where a shade lies in the range, 0 to 1: its place on the strip.
+    pub fn spread(&self, shade: f32) -> f32 {
+        if self.high > self.low {
+            ((shade - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
+        } else {
+            shade
+        }
     }
 
     fn to_array(self) -> [f32; 2] {

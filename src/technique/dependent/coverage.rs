@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::scene::{Camera, Framing, Mesh};
+use crate::scene::{places, Camera, Framing, Mesh};
 use crate::{Error, Result};
 
 /// The most slices that faces can be spread over: a slice is numbered in 8 bits, 0 to 254.
@@ -382,14 +382,8 @@ fn aim(mesh: &Mesh, views: &[View]) -> Result<Vec<Aimed>> {
 
 impl Geometry {
     fn new(mesh: &Mesh) -> Self {
-        let mut places = HashMap::with_capacity(mesh.positions().len());
-        let place_of_vertex = mesh.positions().iter().map(|position| {
-            let next = places.len() as u32;
-            // + 0.0 makes one zero of the two.
-            *places.entry(position.map(|value| (value + 0.0).to_bits())).or_insert(next)
-        });
         Self {
-            place_of_vertex: place_of_vertex.collect(),
+            place_of_vertex: places(mesh.positions()),
             positions: mesh.positions().iter().map(|&position| Vec3::from(position).as_dvec3()).collect(),
             triangles: mesh.indices().chunks_exact(3).map(|corner| [corner[0], corner[1], corner[2]]).collect(),
             center: mesh.bounding_sphere().center.as_dvec3(),

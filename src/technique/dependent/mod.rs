@@ -21,14 +21,14 @@ pub use views::ViewCoverage;
 
 use super::colors::ColorTable;
 use super::image::{GuidePush, IMAGE_GUIDE};
+use super::mesh_pass::MeshPass;
 use super::{check_paints, Paint, ShadeRange, Show};
 use crate::gpu::{
-    Access, Attachment, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Draw, Framebuffer,
-    Geometry, Image, ImageDesc, RasterDesc, RasterPipeline, RasterShader, Recorder, RenderPass, Role, Sampler, Shader,
-    Uploads, VertexAttribute,
+    Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Draw, Image, ImageDesc,
+    RasterShader, Recorder, Sampler, Shader, Uploads, VertexAttribute,
 };
 use crate::paint::Trajectory;
-use crate::scene::{upload_geometry, Camera, Lights, Mesh, Solid, Vec3};
+use crate::scene::{Camera, Lights, Mesh, Vec3};
 use crate::synthesis::params::QuiltParams;
 use crate::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use crate::synthesis::volume::{SliceCopy, Volume};
@@ -147,16 +147,9 @@ pub struct DependentTechnique {
     sets: u32,
     blend_stage: ComputePipeline,
     blend_set: BindingSet,
-    solid: Solid,
-    vertices: Buffer,
-    indices: Buffer,
+    mesh: MeshPass,
     index_count: u32,
-    pass: RenderPass,
-    target: Framebuffer,
-    /// Draw all faces, and only those that show their front.
-    pipelines: [RasterPipeline; 2],
     set: BindingSet,
-    frame: Image,
 }
 
 impl DependentTechnique {
@@ -235,37 +228,18 @@ impl DependentTechnique {
         let bound = [(&starts).into(), (&lists).into(), (&directions).into(), (&blends).into()];
         let blend_set = BindingSet::new(context, &blend_stage, &bound)?;
 
-        let frame = Image::new(context, "dependent frame", &ImageDesc::frame(size.0, size.1))?;
-        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
-        let desc = ImageDesc { size_px: [size.0, size.1, 1], format: context.caps().depth_format, usage };
-        let depth = Image::new(context, "dependent depth", &desc)?;
-        let attachments = [
-            Attachment { format: frame.format(), role: Role::Color },
-            Attachment { format: depth.format(), role: Role::Depth },
-        ];
-        let pass = RenderPass::new(context, "dependent", &attachments)?;
-        let target = Framebuffer::new(context, &pass, &[&frame, &depth])?;
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
-        let pipeline = |cull_back| {
-            let desc = RasterDesc {
-                shader: DEPENDENT,
-                vertex_bytes: size_of::<Vertex>() as u32,
-                attributes: &[
-                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
-                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
-                    attribute(vk::Format::R32G32_UINT, std::mem::offset_of!(Vertex, set_and_paint)),
-                ],
-                cull_back,
-                constants: &[],
-            };
-            RasterPipeline::new(context, &pass, &desc)
-        };
-        let pipelines = [pipeline(false)?, pipeline(true)?];
-        let (data, list) = face_vertices(mesh, &covered.set_of_face, paint_of_object);
-        let (vertices, indices) = upload_geometry(context, uploads, &data, &list)?;
+        let attributes = [
+            attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
+            attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
+            attribute(vk::Format::R32G32_UINT, std::mem::offset_of!(Vertex, set_and_paint)),
+        ];
+        let (vertices, list) = face_vertices(mesh, &covered.set_of_face, paint_of_object);
+        let geometry = (&vertices[..], &list[..]);
+        let pass = MeshPass::new(context, uploads, mesh, size, DEPENDENT, &attributes, &[], geometry)?;
         let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
         let bound = [(&blends).into(), (&projections).into(), (volume.image(), &sampler).into(), colors.image().into()];
-        let set = BindingSet::new(context, &pipelines[0], &bound)?;
+        let set = BindingSet::new(context, pass.pipeline(), &bound)?;
         Ok(DependentTechnique {
             params: *params,
             preparation: Some(preparation),
@@ -275,15 +249,9 @@ impl DependentTechnique {
             sets,
             blend_stage,
             blend_set,
-            solid: Solid::new(mesh),
-            vertices,
-            indices,
+            mesh: pass,
             index_count: list.len() as u32,
-            pass,
-            target,
-            pipelines,
             set,
-            frame,
         })
     }
 
@@ -347,8 +315,7 @@ impl DependentTechnique {
     /// # Errors
     /// [`Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, lights: &Lights, show: Show) -> Result<()> {
-        let [width, height, _] = self.frame.size_px();
-        let view_projection = camera.view_projection(width as f32 / height as f32)?.to_cols_array();
+        let view_projection = self.mesh.view_projection(camera)?;
         // An eye at the very middle of the model has no direction but the one that it looks along.
         let direction = (camera.eye() - self.center).try_normalize().unwrap_or(-camera.forward());
         let push = BlendPush {
@@ -365,9 +332,7 @@ impl DependentTechnique {
             show: show as u32,
         };
         let draw = Draw { set: Some(&self.set), push, range: 0..self.index_count };
-        let geometry = Geometry { vertices: &self.vertices, indices: &self.indices };
-        let pipeline = &self.pipelines[usize::from(self.solid.hides_back_faces(camera))];
-        recorder.draw(&self.pass, &self.target, pipeline, Some(&geometry), &[draw]);
+        self.mesh.record(recorder, camera, &[draw]);
         Ok(())
     }
 
@@ -398,7 +363,7 @@ impl DependentTechnique {
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
     pub fn frame(&self) -> &Image {
-        &self.frame
+        self.mesh.frame()
     }
 }
 

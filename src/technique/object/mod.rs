@@ -20,13 +20,14 @@ mod nearest;
 pub use coordinates::{density, texture_coordinates, CoordinateParams, Orientation, SeamPolicy};
 
 use super::colors::ColorTable;
+use super::mesh_pass::MeshPass;
 use super::{check_paints, Paint, ShadeRange, Show};
 use crate::gpu::{
-    Access, Attachment, BindingKind, BindingSet, Buffer, Context, Draw, Framebuffer, Geometry, Image, ImageDesc,
-    RasterDesc, RasterPipeline, RasterShader, Recorder, RenderPass, Role, Sampler, Uploads, VertexAttribute,
+    Access, BindingKind, BindingSet, Context, Draw, Image, ImageDesc, RasterShader, Recorder, Sampler, Uploads,
+    VertexAttribute,
 };
 use crate::paint::{TextureDifference, Trajectory};
-use crate::scene::{upload_geometry, Camera, Lights, Mesh, Solid};
+use crate::scene::{Camera, Lights, Mesh};
 use crate::Result;
 use ash::vk;
 use std::ops::Range;
@@ -89,19 +90,12 @@ impl Default for ObjectParams {
 /// The technique, prepared for a mesh and its paints.
 pub struct ObjectTechnique {
     density: f32,
-    solid: Solid,
-    vertices: Buffer,
-    indices: Buffer,
+    mesh: MeshPass,
     colors: ColorTable,
     /// The resources of each paint.
     sets: Vec<BindingSet>,
     /// Runs of indices with their paint.
     runs: Vec<(Range<u32>, usize)>,
-    pass: RenderPass,
-    target: Framebuffer,
-    /// Draw all faces, and only those that show their front.
-    pipelines: [RasterPipeline; 2],
-    frame: Image,
 }
 
 impl ObjectTechnique {
@@ -122,32 +116,6 @@ impl ObjectTechnique {
     ) -> Result<Self> {
         check_paints(paints.len(), paint_of_object, mesh.objects().len())?;
         let t = texture_coordinates(mesh, &params.coordinates)?;
-        let frame = Image::new(context, "object frame", &ImageDesc::frame(size.0, size.1))?;
-        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
-        let desc = ImageDesc { size_px: [size.0, size.1, 1], format: context.caps().depth_format, usage };
-        let depth = Image::new(context, "object depth", &desc)?;
-        let attachments = [
-            Attachment { format: frame.format(), role: Role::Color },
-            Attachment { format: depth.format(), role: Role::Depth },
-        ];
-        let pass = RenderPass::new(context, "object", &attachments)?;
-        let target = Framebuffer::new(context, &pass, &[&frame, &depth])?;
-        let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
-        let pipeline = |cull_back| {
-            let desc = RasterDesc {
-                shader: OBJECT,
-                vertex_bytes: size_of::<Vertex>() as u32,
-                attributes: &[
-                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
-                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
-                    attribute(vk::Format::R32_SFLOAT, std::mem::offset_of!(Vertex, t)),
-                ],
-                cull_back,
-                constants: &[u32::from(params.keep_paint)],
-            };
-            RasterPipeline::new(context, &pass, &desc)
-        };
-        let pipelines = [pipeline(false)?, pipeline(true)?];
         let data: Vec<Vertex> = mesh
             .positions()
             .iter()
@@ -155,7 +123,15 @@ impl ObjectTechnique {
             .zip(t)
             .map(|((&position, &normal), t)| Vertex { position, normal, t })
             .collect();
-        let (vertices, indices) = upload_geometry(context, uploads, &data, mesh.indices())?;
+        let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
+        let attributes = [
+            attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
+            attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
+            attribute(vk::Format::R32_SFLOAT, std::mem::offset_of!(Vertex, t)),
+        ];
+        let constants = [u32::from(params.keep_paint)];
+        let geometry = (&data[..], mesh.indices());
+        let pass = MeshPass::new(context, uploads, mesh, size, OBJECT, &attributes, &constants, geometry)?;
         let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
         let along = match params.repeat {
             StripRepeat::Wrap => vk::SamplerAddressMode::REPEAT,
@@ -170,20 +146,14 @@ impl ObjectTechnique {
                 StripRepeat::Mirror => strip_image(context, uploads, paint.texture)?,
             };
             let bound = [(&strip, &sampler).into(), colors.image().into()];
-            sets.push(BindingSet::new(context, &pipelines[0], &bound)?);
+            sets.push(BindingSet::new(context, pass.pipeline(), &bound)?);
         }
         Ok(ObjectTechnique {
             density: density(mesh, &params.coordinates)?,
-            solid: Solid::new(mesh),
-            vertices,
-            indices,
+            runs: runs(mesh, paint_of_object),
+            mesh: pass,
             colors,
             sets,
-            runs: runs(mesh, paint_of_object),
-            pass,
-            target,
-            pipelines,
-            frame,
         })
     }
 
@@ -199,8 +169,7 @@ impl ObjectTechnique {
         range: ShadeRange,
         show: Show,
     ) -> Result<()> {
-        let [width, height, _] = self.frame.size_px();
-        let view_projection = camera.view_projection(width as f32 / height as f32)?.to_cols_array();
+        let view_projection = self.mesh.view_projection(camera)?;
         let light = lights.mean_direction().extend(0.0).to_array();
         let draws: Vec<Draw<'_, Push>> = self
             .runs
@@ -218,9 +187,7 @@ impl ObjectTechnique {
                 range: indices.clone(),
             })
             .collect();
-        let geometry = Geometry { vertices: &self.vertices, indices: &self.indices };
-        let pipeline = &self.pipelines[usize::from(self.solid.hides_back_faces(camera))];
-        recorder.draw(&self.pass, &self.target, pipeline, Some(&geometry), &draws);
+        self.mesh.record(recorder, camera, &draws);
         Ok(())
     }
 
@@ -241,7 +208,7 @@ impl ObjectTechnique {
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
     pub fn frame(&self) -> &Image {
-        &self.frame
+        self.mesh.frame()
     }
 }
 
