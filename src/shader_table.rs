@@ -21,13 +21,14 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
     ]
 }
 
-/// The table of each pair of a vertex and a fragment shader, with the path of their sources without the extension.
-pub fn raster_shaders() -> Vec<(&'static str, RasterShader)> {
+/// The table of each pair of a vertex and a fragment shader, with the paths of their sources.
+pub fn raster_shaders() -> Vec<(&'static str, &'static str, RasterShader)> {
     vec![
-        ("scene/guide", scene::GUIDE),
-        ("technique/object", object::OBJECT),
-        ("technique/aligned", aligned::ALIGNED),
-        ("technique/faces", dependent::FACES),
-        ("technique/dependent", dependent::DEPENDENT),
+        ("scene/guide.vert", "scene/guide.frag", scene::GUIDE),
+        ("technique/object.vert", "technique/object.frag", object::OBJECT),
+        ("technique/picture.vert", "technique/aligned.frag", aligned::ALIGNED),
+        ("technique/faces.vert", "technique/faces.frag", dependent::FACES),
+        ("technique/dependent_mesh.vert", "technique/dependent_mesh.frag", dependent::DEPENDENT_MESH),
+        ("technique/picture.vert", "technique/dependent.frag", dependent::DEPENDENT),
     ]
 }

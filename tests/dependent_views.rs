@@ -501,13 +501,13 @@ fn weights_are_those_of_a_set() {
 
 #[test]
 fn odd_sets_are_blended() {
-    let directions = [Vec3::Z, Vec3::X, Vec3::Z, Vec3::Z, Vec3::Z, Vec3::Y];
+    let directions = [Vec3::Z, Vec3::X, Vec3::Z, Vec3::Z, Vec3::Z, Vec3::Y, Vec3::Z];
     // More than can be blended at the same distance: the first takes all, near or far.
-    assert_eq!(blend_weights(&directions, &[0, 2, 3, 4], Vec3::Z)[0], (0, 1.0));
-    assert_eq!(blend_weights(&directions, &[2, 3, 4, 0], Vec3::X)[0], (2, 1.0));
+    assert_eq!(blend_weights(&directions, &[0, 2, 3, 4, 6], Vec3::Z)[0], (0, 1.0));
+    assert_eq!(blend_weights(&directions, &[2, 3, 4, 6, 0], Vec3::X)[0], (2, 1.0));
     // Of equally near ones the first of the set take part, also when a nearer one comes after them.
-    let weights = blend_weights(&directions, &[0, 2, 3, 1], Vec3::X);
-    assert_eq!(weights.map(|(slice, _)| slice), [1, 0, 2]);
+    let weights = blend_weights(&directions, &[0, 2, 3, 4, 1], Vec3::X);
+    assert_eq!(weights.map(|(slice, _)| slice), [1, 0, 2, 3]);
     // A single slice takes all, even from behind; no set, or one of slices that there are not, gives nothing.
     assert_eq!(blend_weights(&directions, &[5], -Vec3::Y)[0], (5, 1.0));
     assert_eq!(blend_weights(&directions, &[], Vec3::Y), [(0, 0.0); MAX_BLENDED]);
@@ -530,11 +530,11 @@ fn at_its_own_direction_a_slice_takes_all() {
 
 /// The largest change of the weights (sum of absolute differences) on the way around great circles, in steps of
 /// `step` radians. Where `lead` is the nearest slice's lead, each change is below C times the step with
-/// C = 2 (6 / lead + 71):
+/// C = 2 (8 / lead + 71):
 ///
 /// A weight before normalisation is w = (T - a) / (a + e). A step h changes T and each a by at most h, and so w by at
 /// most h (2 / (a + e) + w r), where r = sin / (a + e) is at most 1 / sqrt(2 e) = 71. The sum of the weights is at
-/// least lead / (a + e) of the nearest, and there are three: together they change by at most h (6 / lead + 71) of the
+/// least lead / (a + e) of the nearest, and there are four: together they change by at most h (8 / lead + 71) of the
 /// sum, and normalised by twice that.
 fn largest_change(directions: &[Vec3], set: &[u8], [from, across]: [DVec3; 2], step: f64, steps: u32) -> f64 {
     let at = |k: u32| {
@@ -549,12 +549,28 @@ fn largest_change(directions: &[Vec3], set: &[u8], [from, across]: [DVec3; 2], s
         let change: f64 = last.iter().zip(&next).map(|(a, b)| (a - b).abs()).sum();
         let lead = lead(directions, set, at(k - 1)).min(lead(directions, set, at(k)));
         // Rounding moves a direction by as much as 1e-7, and within a step the lead may be smaller than at its ends.
-        let bound = 2.0 * (1.5 * 6.0 / lead + 71.0) * (step + 3e-7) + 1e-6;
+        let bound = 2.0 * (1.5 * 8.0 / lead + 71.0) * (step + 3e-7) + 1e-6;
         assert!(change <= bound, "{change} > {bound}, lead {lead}");
         largest = largest.max(change);
         last = next;
     }
     largest
+}
+
+/// The corners of the default views stand four by four at the same distance around the axes.
+#[test]
+fn weights_do_not_jump_between_four_equally_near_views() {
+    let mesh = soup(&cuboid(Vec3::ZERO, Vec3::ONE));
+    let views: Vec<Vec3> = cover(&mesh, &default_views()).slices.iter().map(|slice| slice.direction).collect();
+    let corners: Vec<u8> = (0..14).filter(|&i| views[usize::from(i)].abs().max_element() < 0.9).collect();
+    assert_eq!(corners.len(), 8);
+    for (axis, across) in [(Vec3::Z, Vec3::X), (Vec3::X, Vec3::Y), (Vec3::Y, Vec3::Z)] {
+        let at = |angle: f32| spread(blend_weights(&views, &corners, angle.cos() * axis + angle.sin() * across));
+        let before = at(-1e-3);
+        let change: f64 = before.iter().zip(&at(1e-3)).map(|(a, b)| (a - b).abs()).sum();
+        assert!(change < 0.02, "{change} at {axis}");
+        assert!(before.iter().filter(|&&weight| weight > 0.2).count() == 4, "all four take part");
+    }
 }
 
 #[test]

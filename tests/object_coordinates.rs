@@ -216,6 +216,10 @@ fn a_plane_across_the_axis_has_one_t() {
     assert!(t.iter().all(|value| *value == t[0]));
     let per_unit = density(&plane, &params(SeamPolicy::Carry, 0.0, Vec3::Y, 1)).expect("a density");
     assert!((per_unit - 3.5 / 4.0).abs() < 1e-6, "a density all the same");
+    // Nor is what rounding makes of a plane an extent.
+    let nearly = mesh("v 0 1 0\nv 4 1.0000001 0\nv 4 1 3\nv 0 0.9999999 3\nf 4 3 2 1\n");
+    let t = texture_coordinates(&nearly, &params(SeamPolicy::Carry, 0.0, Vec3::Y, 1)).expect("t");
+    assert!(t.iter().all(|value| *value == t[0]), "{t:?}");
 }
 
 #[test]

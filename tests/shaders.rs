@@ -233,10 +233,10 @@ fn raster_tables_say_what_the_binaries_say() {
     let drawn: BTreeSet<String> =
         binaries.iter().filter(|(_, b)| b.local_size.is_none()).map(|(n, _)| n.clone()).collect();
     let listed: BTreeSet<String> =
-        table.iter().flat_map(|(source, _)| [format!("{source}.vert"), format!("{source}.frag")]).collect();
+        table.iter().flat_map(|(vertex, fragment, _)| [(*vertex).to_owned(), (*fragment).to_owned()]).collect();
     assert_eq!(listed, drawn, "the table of raster shaders is not complete");
-    for (source, shader) in &table {
-        let (vertex, fragment) = (find(format!("{source}.vert")), find(format!("{source}.frag")));
+    for (vertex, source, shader) in &table {
+        let (vertex, fragment) = (find((*vertex).to_owned()), find((*source).to_owned()));
         assert_eq!(raster_faults(source, shader, vertex, fragment), [""; 0], "{source}");
         // Planted mistakes are noticed.
         let bytes = RasterShader { push_bytes: shader.push_bytes + 4, ..*shader };

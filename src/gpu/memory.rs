@@ -202,11 +202,17 @@ impl ImageDesc {
         ImageDesc { size_px, format, usage: U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST }
     }
 
+    /// A 2D image that is drawn to and then read by shaders and copies.
+    pub fn drawn(width_px: u32, height_px: u32, format: vk::Format) -> Self {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::STORAGE | U::TRANSFER_SRC;
+        ImageDesc { size_px: [width_px, height_px, 1], format, usage }
+    }
+
     /// A 2D image that is drawn to and then read by whoever wants to: a frame.
     pub fn frame(width_px: u32, height_px: u32) -> Self {
-        use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC;
-        ImageDesc { size_px: [width_px, height_px, 1], format: vk::Format::R8G8B8A8_UNORM, usage }
+        let drawn = Self::drawn(width_px, height_px, vk::Format::R8G8B8A8_UNORM);
+        ImageDesc { usage: drawn.usage | vk::ImageUsageFlags::SAMPLED, ..drawn }
     }
 }
 

@@ -3,11 +3,9 @@
 //! Techniques read its images: shade decides which paint goes where, the ID which pixels are painted at all and with
 //! which strip. The oracle is [`super::GuideOracle`].
 
-use super::{Camera, Lights, Mesh, Solid};
-use crate::gpu::{
-    Attachment, Buffer, BufferKind, Context, Draw, Framebuffer, Geometry, Image, ImageDesc, RasterDesc, RasterPipeline,
-    RasterShader, Recorder, RenderPass, Role, Uploads, VertexAttribute,
-};
+use super::mesh_pass::{MeshDesc, MeshPass};
+use super::{Camera, Lights, Mesh};
+use crate::gpu::{Context, Draw, Image, ImageDesc, RasterShader, Recorder, Uploads, VertexAttribute};
 use crate::Result;
 use ash::vk;
 
@@ -37,18 +35,11 @@ struct Push {
 
 /// A mesh on the device and the images that its guides are drawn to.
 pub struct GuidePass {
-    pass: RenderPass,
-    target: Framebuffer,
-    /// Draws all faces, and only those that show their front.
-    pipelines: [RasterPipeline; 2],
-    solid: Solid,
-    vertices: Buffer,
-    indices: Buffer,
+    mesh: MeshPass,
     index_count: u32,
     object_count: usize,
     shade: Image,
     id: Image,
-    depth: Image,
 }
 
 impl GuidePass {
@@ -58,48 +49,32 @@ impl GuidePass {
     /// [`crate::Error::Parameter`] for a size that the device cannot do, [`crate::Error::Memory`] when the budget does
     /// not allow it, [`crate::Error::Vulkan`] when a call fails.
     pub fn new(context: &Context, uploads: &mut Uploads, mesh: &Mesh, size: (u32, u32)) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let image =
-            |name, format, usage| Image::new(context, name, &ImageDesc { size_px: [size.0, size.1, 1], format, usage });
-        let color = U::COLOR_ATTACHMENT | U::STORAGE | U::TRANSFER_SRC;
-        let shade = image("guide shade", vk::Format::R32_SFLOAT, color)?;
-        let id = image("guide id", vk::Format::R32_UINT, color)?;
-        let depth = image("guide depth", context.caps().depth_format, U::DEPTH_STENCIL_ATTACHMENT | U::TRANSFER_SRC)?;
-        let attachments = [
-            Attachment { format: shade.format(), role: Role::Color },
-            Attachment { format: id.format(), role: Role::Color },
-            Attachment { format: depth.format(), role: Role::Depth },
-        ];
-        let pass = RenderPass::new(context, "guide", &attachments)?;
-        let target = Framebuffer::new(context, &pass, &[&shade, &id, &depth])?;
+        let image = |name, format| Image::new(context, name, &ImageDesc::drawn(size.0, size.1, format));
+        let shade = image("guide shade", vk::Format::R32_SFLOAT)?;
+        let id = image("guide id", vk::Format::R32_UINT)?;
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
-        let pipeline = |cull_back| {
-            let desc = RasterDesc {
-                shader: GUIDE,
-                vertex_bytes: size_of::<Vertex>() as u32,
-                attributes: &[
-                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
-                    attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
-                    attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, id)),
-                ],
-                cull_back,
-                constants: &[],
-            };
-            RasterPipeline::new(context, &pass, &desc)
-        };
-        let pipelines = [pipeline(false)?, pipeline(true)?];
-        let data: Vec<Vertex> = mesh
+        let vertices: Vec<Vertex> = mesh
             .positions()
             .iter()
             .zip(mesh.normals())
             .zip(mesh.object_of_vertex())
             .map(|((&position, &normal), object)| Vertex { position, normal, id: object + 1 })
             .collect();
-        let (vertices, indices) = upload_geometry(context, uploads, &data, mesh.indices())?;
+        let desc = MeshDesc {
+            shader: GUIDE,
+            constants: &[],
+            images: &[&shade, &id],
+            attributes: &[
+                attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
+                attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
+                attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, id)),
+            ],
+            vertices: &vertices,
+            indices: mesh.indices(),
+        };
         let index_count = mesh.indices().len() as u32;
         let object_count = mesh.objects().len();
-        let solid = Solid::new(mesh);
-        Ok(GuidePass { pass, target, pipelines, solid, vertices, indices, index_count, object_count, shade, id, depth })
+        Ok(GuidePass { mesh: MeshPass::new(context, uploads, mesh, &desc)?, index_count, object_count, shade, id })
     }
 
     /// Records the pass.
@@ -107,16 +82,11 @@ impl GuidePass {
     /// # Errors
     /// [`crate::Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, lights: &Lights) -> Result<()> {
-        let [width, height, _] = self.shade.size_px();
-        let view_projection = camera.view_projection(width as f32 / height as f32)?;
         let push = Push {
-            view_projection: view_projection.to_cols_array(),
+            view_projection: self.mesh.view_projection(camera)?,
             light: lights.mean_direction().extend(0.0).to_array(),
         };
-        let geometry = Geometry { vertices: &self.vertices, indices: &self.indices };
-        let draw = Draw { set: None, push, range: 0..self.index_count };
-        let pipeline = &self.pipelines[usize::from(self.solid.hides_back_faces(camera))];
-        recorder.draw(&self.pass, &self.target, pipeline, Some(&geometry), &[draw]);
+        self.mesh.record(recorder, camera, &[Draw { set: None, push, range: 0..self.index_count }]);
         Ok(())
     }
 
@@ -137,24 +107,6 @@ impl GuidePass {
 
     /// Depth, 0 near to 1 far; 1 where nothing is.
     pub fn depth(&self) -> &Image {
-        &self.depth
+        self.mesh.depth()
     }
-}
-
-/// Vertices and indices on their way to the device.
-pub(crate) fn upload_geometry<V: bytemuck::NoUninit>(
-    context: &Context,
-    uploads: &mut Uploads,
-    vertices: &[V],
-    indices: &[u32],
-) -> Result<(Buffer, Buffer)> {
-    let mut buffer = |name, data: &[u8]| {
-        let buffer = Buffer::new(context, name, BufferKind::Geometry, data.len() as u64)?;
-        uploads.buffer(context, &buffer, data)?;
-        Ok::<_, crate::Error>(buffer)
-    };
-    Ok((
-        buffer("mesh vertices", bytemuck::cast_slice(vertices))?,
-        buffer("mesh indices", bytemuck::cast_slice(indices))?,
-    ))
 }

@@ -8,7 +8,7 @@
 //! | [`object`] | a coordinate t for every vertex | one render pass over the mesh | chapter 5 |
 //! | [`image`] | nothing | guided quilting of the whole picture | chapter 6 |
 //! | [`aligned`] | a volume of tileable textures, one for each level of shade | a pass over the guides | chapter 7 |
-//! | [`dependent`] | a texture for every important view | one render pass over the mesh | chapter 8 |
+//! | [`dependent`] | a texture for every important view | a pass over the mesh, and one over its pixels | chapter 8 |
 
 pub mod aligned;
 pub mod dependent;
@@ -16,7 +16,7 @@ pub mod image;
 pub mod object;
 
 mod colors;
-mod mesh_pass;
+mod picture_pass;
 
 use crate::gpu::{Context, Image, ImageDesc, Uploads};
 use crate::paint::{TextureDifference, Trajectory};

@@ -15,11 +15,9 @@ pub use level_texture::LevelTexture;
 pub use levels::{LevelParams, LevelPart, LevelSource, LevelVolume, Tileable};
 
 use super::colors::ColorTable;
+use super::picture_pass::{PicturePass, PICTURE};
 use super::{check_paints, paint_picture, ShadeRange, Show};
-use crate::gpu::{
-    Access, Attachment, BindingKind, BindingSet, Context, Draw, Framebuffer, Image, ImageDesc, RasterDesc,
-    RasterPipeline, RasterShader, Recorder, RenderPass, Role, Sampler, Uploads,
-};
+use crate::gpu::{Access, BindingKind, BindingSet, Context, Image, RasterShader, Recorder, Sampler, Uploads};
 use crate::paint::Trajectory;
 use crate::scene::GuidePass;
 use crate::{Error, Result};
@@ -30,7 +28,7 @@ const DENSITY: std::ops::RangeInclusive<f32> = 0.05..=4.0;
 
 pub(crate) const ALIGNED: RasterShader = RasterShader {
     name: "aligned",
-    vertex_spirv: include_bytes!("../../../glsl/spirv/technique/aligned.vert.spv"),
+    vertex_spirv: PICTURE,
     fragment_spirv: include_bytes!("../../../glsl/spirv/technique/aligned.frag.spv"),
     bindings: &[
         BindingKind::Image(Access::FragmentRead),
@@ -114,11 +112,8 @@ impl AlignedFrame {
 pub struct AlignedTechnique {
     levels: LevelVolume,
     colors: ColorTable,
-    pass: RenderPass,
-    target: Framebuffer,
-    pipeline: RasterPipeline,
+    pass: PicturePass,
     set: BindingSet,
-    frame: Image,
 }
 
 impl AlignedTechnique {
@@ -146,18 +141,7 @@ impl AlignedTechnique {
             ));
         }
         let colors = ColorTable::new(context, uploads, trajectories.iter().copied())?;
-        let [width, height, _] = guides.shade().size_px();
-        let frame = Image::new(context, "aligned frame", &ImageDesc::frame(width, height))?;
-        // The triangle lies at the far end: the test against the guides' depth leaves out the background, which on some
-        // devices spares all of its work.
-        let attachments = [
-            Attachment { format: frame.format(), role: Role::Color },
-            Attachment { format: guides.depth().format(), role: Role::DepthBefore },
-        ];
-        let pass = RenderPass::new(context, "aligned", &attachments)?;
-        let target = Framebuffer::new(context, &pass, &[&frame, guides.depth()])?;
-        let desc = RasterDesc { shader: ALIGNED, vertex_bytes: 0, attributes: &[], cull_back: false, constants: &[] };
-        let pipeline = RasterPipeline::new(context, &pass, &desc)?;
+        let pass = PicturePass::new(context, ALIGNED, guides.depth())?;
         let (repeat, clamp) = (vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE);
         let sampler = Sampler::linear(context, [repeat, repeat, clamp])?;
         let objects = paint_picture(context, uploads, paint_of_object)?;
@@ -168,8 +152,8 @@ impl AlignedTechnique {
             (levels.image(), &sampler).into(),
             colors.image().into(),
         ];
-        let set = BindingSet::new(context, &pipeline, &bound)?;
-        Ok(AlignedTechnique { levels, colors, pass, target, pipeline, set, frame })
+        let set = BindingSet::new(context, pass.pipeline(), &bound)?;
+        Ok(AlignedTechnique { levels, colors, pass, set })
     }
 
     /// The levels, to prepare and to read.
@@ -197,8 +181,7 @@ impl AlignedTechnique {
             show: frame.show as u32,
             keep_contrast: u32::from(frame.blend == LevelBlend::Contrast),
         };
-        let draw = Draw { set: Some(&self.set), push, range: 0..3 };
-        recorder.draw(&self.pass, &self.target, &self.pipeline, None, &[draw]);
+        self.pass.record(recorder, &self.set, push);
         Ok(())
     }
 
@@ -218,6 +201,6 @@ impl AlignedTechnique {
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
     pub fn frame(&self) -> &Image {
-        &self.frame
+        self.pass.frame()
     }
 }

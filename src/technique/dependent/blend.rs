@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 /// The most slices that are blended for one face.
-pub const MAX_BLENDED: usize = 3;
+pub const MAX_BLENDED: usize = 4;
 
 /// Threshold of a set that has no slice beyond the nearest few: more than the largest distance, which is 2.
 const FAR: f32 = 2.5;

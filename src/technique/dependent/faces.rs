@@ -53,14 +53,13 @@ impl FacePass {
         size_px: u32,
         lists: impl Iterator<Item = u32>,
     ) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let size = [size_px, size_px, 1];
-        let color = U::COLOR_ATTACHMENT | U::STORAGE | U::TRANSFER_SRC;
-        let image = |name, format, usage| Image::new(context, name, &ImageDesc { size_px: size, format, usage });
-        let shade = image("view shade", vk::Format::R32_SFLOAT, color)?;
-        let id = image("view id", vk::Format::R32_UINT, color)?;
-        let face = image("view faces", vk::Format::R32_UINT, color)?;
-        let depth = image("view depth", context.caps().depth_format, U::DEPTH_STENCIL_ATTACHMENT)?;
+        let image = |name, format| Image::new(context, name, &ImageDesc::drawn(size_px, size_px, format));
+        let shade = image("view shade", vk::Format::R32_SFLOAT)?;
+        let id = image("view id", vk::Format::R32_UINT)?;
+        let face = image("view faces", vk::Format::R32_UINT)?;
+        let usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let desc = ImageDesc { size_px: [size_px, size_px, 1], format: context.caps().depth_format, usage };
+        let depth = Image::new(context, "view depth", &desc)?;
         let images = [&shade, &id, &face, &depth];
         let attachments = [0, 1, 2, 3]
             .map(|i| Attachment { format: images[i].format(), role: if i == 3 { Role::Depth } else { Role::Color } });

@@ -1,4 +1,4 @@
-//! The mesh as the render pass wants it: the first vertex of every face tells the face's set of slices and its paint.
+//! The mesh as the render pass wants it: the first vertex of every face tells the face's set of slices.
 
 use crate::scene::Mesh;
 use std::collections::HashMap;
@@ -9,13 +9,12 @@ pub(super) struct Vertex {
     pub position: [f32; 3],
     pub normal: [f32; 3],
     /// Read of the first vertex of a face alone.
-    pub set_and_paint: [u32; 2],
+    pub set: u32,
 }
 
 /// Vertices and indices. Vertices are doubled only where faces of several sets begin at one: the corners of a face are
 /// turned so that it begins where one of its set is there already.
-pub(super) fn face_vertices(mesh: &Mesh, set_of_face: &[u32], paint_of_object: &[u32]) -> (Vec<Vertex>, Vec<u32>) {
-    let objects = mesh.object_of_vertex();
+pub(super) fn face_vertices(mesh: &Mesh, set_of_face: &[u32]) -> (Vec<Vertex>, Vec<u32>) {
     let mut vertices: Vec<Vertex> = Vec::with_capacity(mesh.positions().len());
     let mut made: HashMap<(u32, u32), u32> = HashMap::with_capacity(mesh.positions().len());
     // Any vertex of that position and normal; u32::MAX where there is none yet.
@@ -23,12 +22,7 @@ pub(super) fn face_vertices(mesh: &Mesh, set_of_face: &[u32], paint_of_object: &
     let mut add = |corner: u32, set: u32, vertices: &mut Vec<Vertex>, any: &mut [u32]| {
         *made.entry((corner, set)).or_insert_with(|| {
             let at = corner as usize;
-            let paint = paint_of_object.get(objects[at] as usize).copied().unwrap_or_default();
-            vertices.push(Vertex {
-                position: mesh.positions()[at],
-                normal: mesh.normals()[at],
-                set_and_paint: [set, paint],
-            });
+            vertices.push(Vertex { position: mesh.positions()[at], normal: mesh.normals()[at], set });
             let number = vertices.len() as u32 - 1;
             if any[at] == u32::MAX {
                 any[at] = number;
@@ -69,13 +63,11 @@ mod tests {
         let mesh = Mesh::parse(text.as_bytes(), "teapot", &MeshOptions::default()).expect("a mesh").mesh;
         let faces = mesh.indices().len() / 3;
         let sets: Vec<u32> = (0..faces as u32).map(|face| (face / 7) % 5).collect();
-        let (vertices, indices) = face_vertices(&mesh, &sets, &[3, 8]);
+        let (vertices, indices) = face_vertices(&mesh, &sets);
         assert_eq!(indices.len(), mesh.indices().len());
         assert!(vertices.len() < faces * 2, "{} vertices for {faces} faces", vertices.len());
-        let table = mesh.objects()[0].index_count as usize / 3;
         for (face, (own, old)) in indices.chunks(3).zip(mesh.indices().chunks(3)).enumerate() {
-            let set = vertices[own[0] as usize].set_and_paint;
-            assert_eq!(set, [sets[face], if face < table { 3 } else { 8 }]);
+            assert_eq!(vertices[own[0] as usize].set, sets[face]);
             let corner = |vertex: u32| (vertices[vertex as usize].position, vertices[vertex as usize].normal);
             let new = [0, 1, 2].map(|k| corner(own[k]));
             let turned = (0..3).any(|turn| {

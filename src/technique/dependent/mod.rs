@@ -3,8 +3,10 @@
 //! Prepared once: [`ViewCoverage`] draws the model from the important views and finds out which faces each of them shows
 //! whole, with further views until every face is shown by some; [`DependentTechnique`] then synthesises a texture for each
 //! view by guided quilting, as the image-based technique does for a picture, and stacks them into one 3D image. A face's
-//! place in a slice is where the slice's view shows it. Drawn for every frame: which slices each face takes, and one
-//! render pass over the mesh.
+//! place in a slice is where the slice's view shows it. Drawn for every frame: which slices each set of faces takes; a
+//! render pass over the mesh, for shade, set and distance of every pixel; and a pass over its pixels, which finds the
+//! surface's point by the distance and blends the slices. So what is dear is done once for a pixel, however small the
+//! triangles are and however many lie behind one another.
 //!
 //! At most [`MAX_BLENDED`] slices are blended for a face ([`blend_weights`]), with the contrast given back that averaging
 //! takes, as in [`super::aligned`].
@@ -21,14 +23,14 @@ pub use views::ViewCoverage;
 
 use super::colors::ColorTable;
 use super::image::{GuidePush, IMAGE_GUIDE};
-use super::mesh_pass::MeshPass;
+use super::picture_pass::{PicturePass, PICTURE};
 use super::{check_paints, Paint, ShadeRange, Show};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Draw, Image, ImageDesc,
     RasterShader, Recorder, Sampler, Shader, Uploads, VertexAttribute,
 };
 use crate::paint::Trajectory;
-use crate::scene::{Camera, Lights, Mesh, Vec3};
+use crate::scene::{Camera, Lights, Mesh, MeshDesc, MeshPass, Vec3};
 use crate::synthesis::params::QuiltParams;
 use crate::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use crate::synthesis::volume::{SliceCopy, Volume};
@@ -38,6 +40,7 @@ use ash::vk;
 use faces::FacePass;
 pub(crate) use faces::FACES;
 use geometry::{face_vertices, Vertex};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -53,11 +56,22 @@ pub(crate) const DEPENDENT_BLEND: Shader = Shader {
     push_bytes: size_of::<BlendPush>() as u32,
 };
 
+pub(crate) const DEPENDENT_MESH: RasterShader = RasterShader {
+    name: "dependent_mesh",
+    vertex_spirv: include_bytes!("../../../glsl/spirv/technique/dependent_mesh.vert.spv"),
+    fragment_spirv: include_bytes!("../../../glsl/spirv/technique/dependent_mesh.frag.spv"),
+    bindings: &[],
+    push_bytes: size_of::<MeshPush>() as u32,
+};
+
 pub(crate) const DEPENDENT: RasterShader = RasterShader {
     name: "dependent",
-    vertex_spirv: include_bytes!("../../../glsl/spirv/technique/dependent.vert.spv"),
+    vertex_spirv: PICTURE,
     fragment_spirv: include_bytes!("../../../glsl/spirv/technique/dependent.frag.spv"),
     bindings: &[
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
         BindingKind::Image(Access::FragmentRead),
         BindingKind::Image(Access::FragmentRead),
         BindingKind::Sampled(Access::FragmentSampled),
@@ -71,20 +85,26 @@ pub(crate) const DEPENDENT: RasterShader = RasterShader {
 struct BlendPush {
     direction: [f32; 4],
     sets: u32,
-    keep_contrast: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct MeshPush {
+    view_projection: [f32; 16],
+    light: [f32; 4],
 }
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Push {
-    view_projection: [f32; 16],
-    light: [f32; 4],
+    rays: [[f32; 4]; 4],
     range: [f32; 2],
     slices: u32,
     show: u32,
+    keep_contrast: u32,
 }
 
-/// Sets of slices in a row of the picture of blends, as in dependent.frag.
+/// Sets of slices in a row of the picture of blends, as in the shaders.
 const SETS_ACROSS: u32 = 1024;
 
 /// How the views' textures are synthesised, and how they are blended.
@@ -149,6 +169,7 @@ pub struct DependentTechnique {
     blend_set: BindingSet,
     mesh: MeshPass,
     index_count: u32,
+    pass: PicturePass,
     set: BindingSet,
 }
 
@@ -196,13 +217,15 @@ impl DependentTechnique {
         )?;
         let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
 
+        let (set_of_face, sets) = sets_with_paint(mesh, covered, paint_of_object);
         // The slices of every set, one list after the other, and the slices' directions and projections.
-        let mut starts = vec![0u32];
         let mut lists: Vec<u32> = Vec::new();
-        for set in &covered.sets {
-            lists.extend(set.iter().map(|&slice| u32::from(slice)));
-            starts.push(lists.len() as u32);
+        let mut starts: Vec<[u32; 2]> = Vec::with_capacity(sets.len() + 1);
+        for &(set, paint) in &sets {
+            starts.push([lists.len() as u32, paint]);
+            lists.extend(covered.sets.get(set as usize).into_iter().flatten().map(|&slice| u32::from(slice)));
         }
+        starts.push([lists.len() as u32, 0]);
         let directions: Vec<[f32; 4]> =
             covered.slices.iter().map(|slice| slice.direction.extend(0.0).to_array()).collect();
         let mut rows: Vec<[f32; 4]> = Vec::with_capacity(3 * covered.slices.len());
@@ -218,27 +241,46 @@ impl DependentTechnique {
         let starts = storage("starts of sets", bytemuck::cast_slice(&starts))?;
         let lists = storage("slices of sets", bytemuck::cast_slice(&lists))?;
         let directions = storage("directions of slices", bytemuck::cast_slice(&directions))?;
-        let sets = covered.sets.len() as u32;
-        let texels = vk::Format::R32G32B32A32_SFLOAT;
-        let desc = ImageDesc::storage_2d(SETS_ACROSS, 2 * sets.div_ceil(SETS_ACROSS), texels);
+        let sets = sets.len() as u32;
+        let desc = ImageDesc::storage_2d(SETS_ACROSS, sets.div_ceil(SETS_ACROSS), vk::Format::R32G32B32A32_UINT);
         let blends = Image::new(context, "blends of sets", &desc)?;
-        let projections = Image::new(context, "projections", &ImageDesc::storage_2d(3, slices, texels))?;
+        let desc = ImageDesc::storage_2d(3, slices, vk::Format::R32G32B32A32_SFLOAT);
+        let projections = Image::new(context, "projections", &desc)?;
         uploads.image(context, &projections, bytemuck::cast_slice(&rows))?;
         let blend_stage = ComputePipeline::new(context, &DEPENDENT_BLEND)?;
         let bound = [(&starts).into(), (&lists).into(), (&directions).into(), (&blends).into()];
         let blend_set = BindingSet::new(context, &blend_stage, &bound)?;
 
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
-        let attributes = [
-            attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
-            attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
-            attribute(vk::Format::R32G32_UINT, std::mem::offset_of!(Vertex, set_and_paint)),
-        ];
-        let (vertices, list) = face_vertices(mesh, &covered.set_of_face, paint_of_object);
-        let geometry = (&vertices[..], &list[..]);
-        let pass = MeshPass::new(context, uploads, mesh, size, DEPENDENT, &attributes, &[], geometry)?;
+        let image = |name, format| Image::new(context, name, &ImageDesc::drawn(size.0, size.1, format));
+        let shade = image("dependent shade", vk::Format::R32_SFLOAT)?;
+        let set = image("dependent set", vk::Format::R32_UINT)?;
+        let along = image("dependent distance", vk::Format::R32_SFLOAT)?;
+        let (vertices, list) = face_vertices(mesh, &set_of_face);
+        let desc = MeshDesc {
+            shader: DEPENDENT_MESH,
+            constants: &[],
+            images: &[&shade, &set, &along],
+            attributes: &[
+                attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
+                attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
+                attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, set)),
+            ],
+            vertices: &vertices,
+            indices: &list,
+        };
+        let mesh_pass = MeshPass::new(context, uploads, mesh, &desc)?;
+        let pass = PicturePass::new(context, DEPENDENT, mesh_pass.depth())?;
         let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
-        let bound = [(&blends).into(), (&projections).into(), (volume.image(), &sampler).into(), colors.image().into()];
+        let bound = [
+            (&shade).into(),
+            (&set).into(),
+            (&along).into(),
+            (&blends).into(),
+            (&projections).into(),
+            (volume.image(), &sampler).into(),
+            colors.image().into(),
+        ];
         let set = BindingSet::new(context, pass.pipeline(), &bound)?;
         Ok(DependentTechnique {
             params: *params,
@@ -249,8 +291,9 @@ impl DependentTechnique {
             sets,
             blend_stage,
             blend_set,
-            mesh: pass,
+            mesh: mesh_pass,
             index_count: list.len() as u32,
+            pass,
             set,
         })
     }
@@ -316,23 +359,21 @@ impl DependentTechnique {
     /// [`Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, lights: &Lights, show: Show) -> Result<()> {
         let view_projection = self.mesh.view_projection(camera)?;
+        let rays = rays(camera, self.frame().size_px())?;
         // An eye at the very middle of the model has no direction but the one that it looks along.
         let direction = (camera.eye() - self.center).try_normalize().unwrap_or(-camera.forward());
-        let push = BlendPush {
-            direction: direction.extend(0.0).to_array(),
-            sets: self.sets,
-            keep_contrast: u32::from(self.params.keep_contrast),
-        };
+        let push = BlendPush { direction: direction.extend(0.0).to_array(), sets: self.sets };
         recorder.dispatch(&self.blend_stage, &self.blend_set, &push, [self.sets.div_ceil(64), 1, 1]);
+        let push = MeshPush { view_projection, light: lights.mean_direction().extend(0.0).to_array() };
+        self.mesh.record(recorder, camera, &[Draw { set: None, push, range: 0..self.index_count }]);
         let push = Push {
-            view_projection,
-            light: lights.mean_direction().extend(0.0).to_array(),
+            rays,
             range: self.params.range.to_array(),
             slices: self.volume.image().size_px()[2],
             show: show as u32,
+            keep_contrast: u32::from(self.params.keep_contrast),
         };
-        let draw = Draw { set: Some(&self.set), push, range: 0..self.index_count };
-        self.mesh.record(recorder, camera, &[draw]);
+        self.pass.record(recorder, &self.set, push);
         Ok(())
     }
 
@@ -363,8 +404,37 @@ impl DependentTechnique {
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
     pub fn frame(&self) -> &Image {
-        self.mesh.frame()
+        self.pass.frame()
     }
+}
+
+/// The set and paint of every face as one number, and what each number stands for.
+fn sets_with_paint(mesh: &Mesh, covered: &Covered, paint_of_object: &[u32]) -> (Vec<u32>, Vec<(u32, u32)>) {
+    let mut sets: Vec<(u32, u32)> = Vec::new();
+    let mut numbers: HashMap<(u32, u32), u32> = HashMap::new();
+    let paints = mesh.objects().iter().zip(paint_of_object);
+    let paint_of_face = paints.flat_map(|(object, &paint)| std::iter::repeat_n(paint, object.index_count as usize / 3));
+    let number = |(&set, paint): (&u32, u32)| {
+        *numbers.entry((set, paint)).or_insert_with(|| {
+            sets.push((set, paint));
+            sets.len() as u32 - 1
+        })
+    };
+    let of_face = covered.set_of_face.iter().zip(paint_of_face).map(number).collect();
+    (of_face, sets)
+}
+
+/// The eye, and the rays through the pixels: pixel (x, y) sees along [1] + x [2] + y [3], which is 1 long along the view
+/// axis; x and y are 0.5 at the centre of the upper left pixel.
+fn rays(camera: &Camera, [width, height, _]: [u32; 3]) -> Result<[[f32; 4]; 4]> {
+    let projection = camera.projection(width as f32 / height as f32)?;
+    // From the view's axes to the world's.
+    let turned = camera.view().transpose();
+    let across = turned.transform_vector3(Vec3::X / projection.x_axis.x);
+    let down = turned.transform_vector3(Vec3::Y / projection.y_axis.y);
+    let corner = camera.forward() - across - down;
+    let (across, down) = (2.0 / width as f32 * across, 2.0 / height as f32 * down);
+    Ok([camera.eye(), corner, across, down].map(|v| v.extend(0.0).to_array()))
 }
 
 impl Preparation {

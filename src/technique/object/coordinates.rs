@@ -93,8 +93,7 @@ impl CoordinateParams {
 pub fn texture_coordinates(mesh: &Mesh, params: &CoordinateParams) -> Result<Vec<f32>> {
     params.check(mesh)?;
     let surface = Surface::new(mesh, &params.orientation);
-    let extent = surface.extent();
-    let scale = if extent > 0.0 { f64::from(params.repeats) / extent } else { 0.0 };
+    let scale = surface.extent().map_or(0.0, |extent| f64::from(params.repeats) / extent);
     let t = surface.propagate(scale, f64::from(params.variation), params.seams, params.seed);
     Ok(surface.point_of_vertex.iter().map(|&point| t[point as usize] as f32).collect())
 }
@@ -106,18 +105,20 @@ pub fn texture_coordinates(mesh: &Mesh, params: &CoordinateParams) -> Result<Vec
 /// As [`texture_coordinates`].
 pub fn density(mesh: &Mesh, params: &CoordinateParams) -> Result<f32> {
     params.check(mesh)?;
-    let (low, high) = mesh.bounds();
-    let extent = match Surface::new(mesh, &params.orientation).extent() {
-        extent if extent > 0.0 => extent,
-        _ => f64::from((high - low).max_element()),
-    };
+    let surface = Surface::new(mesh, &params.orientation);
+    let extent = surface.extent().unwrap_or(surface.longest);
     Ok((f64::from(params.repeats) / extent) as f32)
 }
+
+/// What of the longest side counts as no extent: several times the rounding of 32-bit positions.
+const NO_EXTENT: f64 = 1e-6;
 
 /// The mesh with one point for all vertices at a position.
 struct Surface {
     point_of_vertex: Vec<u32>,
     points: Vec<DVec3>,
+    /// The longest side of the bounding box.
+    longest: f64,
     /// One direction, or one for each point; unit length.
     directions: Vec<DVec3>,
     /// The neighbours of point i are `neighbours[starts[i]..starts[i + 1]]`, ascending.
@@ -160,7 +161,9 @@ impl Surface {
             starts[i + 1] += starts[i];
         }
         let neighbours = edges.into_iter().map(|(_, b)| b).collect();
-        Surface { point_of_vertex, points, directions, starts, neighbours }
+        let (low, high) = mesh.bounds();
+        let longest = f64::from((high - low).max_element());
+        Surface { point_of_vertex, points, longest, directions, starts, neighbours }
     }
 
     /// The step from one point to another along the orientation.
@@ -172,15 +175,17 @@ impl Surface {
         (self.points[to as usize] - self.points[from as usize]).dot(direction)
     }
 
-    fn extent(&self) -> f64 {
+    /// How far the surface reaches along the orientation; `None` where that is nothing but rounding.
+    fn extent(&self) -> Option<f64> {
         let range = |values: &mut dyn Iterator<Item = f64>| {
             let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
             high - low
         };
-        match self.directions[..] {
+        let extent = match self.directions[..] {
             [axis] => range(&mut self.points.iter().map(|point| point.dot(axis))),
             _ => range(&mut self.propagate(1.0, 0.0, SeamPolicy::Carry, 0).into_iter()),
-        }
+        };
+        (extent > NO_EXTENT * self.longest).then_some(extent)
     }
 
     fn propagate(&self, scale: f64, variation: f64, seams: SeamPolicy, seed: u32) -> Vec<f64> {

@@ -20,14 +20,13 @@ mod nearest;
 pub use coordinates::{density, texture_coordinates, CoordinateParams, Orientation, SeamPolicy};
 
 use super::colors::ColorTable;
-use super::mesh_pass::MeshPass;
 use super::{check_paints, Paint, ShadeRange, Show};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Context, Draw, Image, ImageDesc, RasterShader, Recorder, Sampler, Uploads,
     VertexAttribute,
 };
 use crate::paint::{TextureDifference, Trajectory};
-use crate::scene::{Camera, Lights, Mesh};
+use crate::scene::{Camera, Lights, Mesh, MeshDesc, MeshPass};
 use crate::Result;
 use ash::vk;
 use std::ops::Range;
@@ -91,6 +90,7 @@ impl Default for ObjectParams {
 pub struct ObjectTechnique {
     density: f32,
     mesh: MeshPass,
+    frame: Image,
     colors: ColorTable,
     /// The resources of each paint.
     sets: Vec<BindingSet>,
@@ -129,9 +129,16 @@ impl ObjectTechnique {
             attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
             attribute(vk::Format::R32_SFLOAT, std::mem::offset_of!(Vertex, t)),
         ];
-        let constants = [u32::from(params.keep_paint)];
-        let geometry = (&data[..], mesh.indices());
-        let pass = MeshPass::new(context, uploads, mesh, size, OBJECT, &attributes, &constants, geometry)?;
+        let frame = Image::new(context, OBJECT.name, &ImageDesc::frame(size.0, size.1))?;
+        let desc = MeshDesc {
+            shader: OBJECT,
+            constants: &[u32::from(params.keep_paint)],
+            images: &[&frame],
+            attributes: &attributes,
+            vertices: &data,
+            indices: mesh.indices(),
+        };
+        let pass = MeshPass::new(context, uploads, mesh, &desc)?;
         let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
         let along = match params.repeat {
             StripRepeat::Wrap => vk::SamplerAddressMode::REPEAT,
@@ -152,6 +159,7 @@ impl ObjectTechnique {
             density: density(mesh, &params.coordinates)?,
             runs: runs(mesh, paint_of_object),
             mesh: pass,
+            frame,
             colors,
             sets,
         })
@@ -208,7 +216,7 @@ impl ObjectTechnique {
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
     pub fn frame(&self) -> &Image {
-        self.mesh.frame()
+        &self.frame
     }
 }
 

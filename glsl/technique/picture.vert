@@ -1,5 +1,5 @@
 #version 450
-// View-aligned projection: one triangle that covers the picture, at the far plane. Push constants are those of aligned.frag.
+// Techniques that shade the pixels of what was drawn before: one triangle that covers the picture, at the far plane.
 
 void main() {
     vec2 corner = vec2(gl_VertexIndex == 1 ? 3.0 : -1.0, gl_VertexIndex == 2 ? 3.0 : -1.0);
