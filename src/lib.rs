@@ -22,6 +22,7 @@
 //! - [`scene`] reads a model, places camera and lights, and draws them into the guide: shade, object ID and depth.
 //! - [`synthesis`] makes more texture from a sample by quilting, and makes pictures tileable.
 //! - [`technique`] paints, in four ways: it takes guides or a mesh, paints and synthesis, and gives a frame.
+//! - [`metric`] says how good a picture is, and how calm a sequence (thesis chapter 9).
 //! - [`gpu`] holds every Vulkan call: a device of one's own or a host's, memory, passes and their barriers.
 //! - [`error`] is the one error type; no input makes the crate panic.
 //!
@@ -79,6 +80,7 @@
 
 pub mod error;
 pub mod gpu;
+pub mod metric;
 pub mod paint;
 pub mod scene;
 #[doc(hidden)]
