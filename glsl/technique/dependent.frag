@@ -29,13 +29,15 @@ layout(push_constant) uniform Push {
 
 layout(location = 0) out vec4 frame;
 
-vec3 slice_at(uint slice, vec4 position) {
+// Difference, and how far inside the slice's faces the place lies, 0 to 1.
+vec4 slice_at(uint slice, vec4 position) {
     int row = int(slice);
     vec3 clip = vec3(dot(imageLoad(projections, ivec2(0, row)), position),
                      dot(imageLoad(projections, ivec2(1, row)), position),
                      dot(imageLoad(projections, ivec2(2, row)), position));
     vec2 st = 0.5 + 0.5 * clip.xy / clip.z;
-    return 2.0 * textureLod(volume, vec3(st, (float(slice) + 0.5) / float(push.slices)), 0.0).rgb - 1.0;
+    vec4 texel = textureLod(volume, vec3(st, (float(slice) + 0.5) / float(push.slices)), 0.0);
+    return vec4(2.0 * texel.rgb - 1.0, texel.a);
 }
 
 void main() {
@@ -45,18 +47,20 @@ void main() {
     vec4 weight = vec4(unpackUnorm2x16(blend.x), unpackUnorm2x16(blend.y));
     vec3 ray = push.corner.xyz + gl_FragCoord.x * push.across.xyz + gl_FragCoord.y * push.down.xyz;
     vec4 position = vec4(push.eye.xyz + imageLoad(along, p).r * ray, 1.0);
-    vec3 difference = weight.x * slice_at(blend.z & 255u, position);
-    if (weight.y > 0.0) {
-        difference += weight.y * slice_at((blend.z >> 8) & 255u, position);
+    // A slice counts for less towards the faces that it does not show, and for nearly nothing where it ends.
+    vec4 blended = vec4(0.0);
+    float squares = 0.0;
+    for (int i = 0; i < 4; i++) {
+        if (weight[i] > 0.0) {
+            vec4 texel = slice_at((blend.z >> (8 * i)) & 255u, position);
+            float counts = weight[i] * max(texel.a, 1.0 / 255.0);
+            blended += counts * vec4(texel.rgb, 1.0);
+            squares += counts * counts;
+        }
     }
-    if (weight.z > 0.0) {
-        difference += weight.z * slice_at((blend.z >> 16) & 255u, position);
-    }
-    if (weight.w > 0.0) {
-        difference += weight.w * slice_at(blend.z >> 24, position);
-    }
+    vec3 difference = blended.rgb / blended.w;
     if (push.keep_contrast != 0) {
-        difference *= contrast_kept(dot(weight, weight));
+        difference *= contrast_kept(squares / (blended.w * blended.w));
     }
     float tone = tone_of(imageLoad(shade, p).r, push.range);
     frame = shown(unpackUnorm4x8(imageLoad(colors, color_place(tone, blend.w)).r).rgb, difference, push.show);

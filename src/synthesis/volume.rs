@@ -11,6 +11,7 @@ pub(crate) const VOLUME_SLICE: Shader = Shader {
     bindings: &[
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeWrite),
     ],
     push_bytes: size_of::<SlicePush>() as u32,
@@ -68,21 +69,26 @@ impl Volume {
 
     /// Prepares to put a texture, R32_UINT with red in the low byte, into a slice.
     pub fn copy(&self, context: &Context, texture: &Image, slice: u32) -> Result<SliceCopy> {
-        let set = BindingSet::new(context, &self.stage, &[texture.into(), texture.into(), (&self.image).into()])?;
+        let set = BindingSet::new(
+            context,
+            &self.stage,
+            &[texture.into(), texture.into(), texture.into(), (&self.image).into()],
+        )?;
         Ok(SliceCopy { set, push: SlicePush { slice, paint: 0, first: 1 } })
     }
 
-    /// Prepares to put a guided quilt into a slice, where the guide has its paint; `first` for the first of a slice.
+    /// Prepares to put a guided quilt into a slice, where the guide (its first image) has its paint, with an alpha (its
+    /// second image, R32_UINT, 0 to 255); `first` for the first of a slice.
     pub fn copy_guided(
         &self,
         context: &Context,
         quilt: &Quilt,
-        guide: &Image,
+        [guide, alpha]: [&Image; 2],
         paint: u32,
         slice: u32,
         first: bool,
     ) -> Result<SliceCopy> {
-        let bound = [quilt.canvas().into(), guide.into(), (&self.image).into()];
+        let bound = [quilt.canvas().into(), guide.into(), alpha.into(), (&self.image).into()];
         let set = BindingSet::new(context, &self.stage, &bound)?;
         Ok(SliceCopy { set, push: SlicePush { slice, paint, first: u32::from(first) } })
     }

@@ -2,6 +2,20 @@
 
 use super::*;
 
+/// Distance to the next texel without a face, among all that are near enough.
+fn feather(guide: &[u32], side: i32, x: i32, y: i32) -> u8 {
+    let radius = side / 42;
+    let mut nearest = radius * radius;
+    for (dx, dy) in (-radius..=radius).flat_map(|dy| (-radius..=radius).map(move |dx| (dx, dy))) {
+        let (x, y) = (x + dx, y + dy);
+        let inside = (0..side).contains(&x) && (0..side).contains(&y);
+        if !inside || guide[(y * side + x) as usize] == 0 {
+            nearest = nearest.min(dx * dx + dy * dy);
+        }
+    }
+    (nearest * 255 / (radius * radius)) as u8
+}
+
 #[test]
 fn textures_of_views_equal_the_oracle_exactly() {
     let gpu = Validated::new();
@@ -45,6 +59,9 @@ fn textures_of_views_equal_the_oracle_exactly() {
                     *to = *from;
                 }
             }
+        }
+        for (i, to) in want.iter_mut().enumerate() {
+            to[3] = feather(guide, 512, i as i32 % 512, i as i32 / 512);
         }
         assert!(guide.iter().filter(|texel| **texel != 0).count() > 500, "slice {slice} shows something");
         assert!(got[slice * texels..(slice + 1) * texels] == want[..], "slice {slice}");
@@ -142,7 +159,7 @@ fn hit(mesh: &Mesh, eye: Vec3, ray: Vec3) -> Option<(usize, Vec3)> {
 fn blended(covered: &Covered, texels: &[[u8; 4]], side: usize, from: Vec3, face: usize, point: Vec3) -> Vec4 {
     let directions: Vec<Vec3> = covered.slices.iter().map(|slice| slice.direction).collect();
     let weights = blend_weights(&directions, &covered.sets[covered.set_of_face[face] as usize], from);
-    let mut sum = Vec4::ZERO;
+    let (mut sum, mut total, mut squares) = (Vec4::ZERO, 0.0, 0.0);
     for (slice, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
         let slice = usize::from(slice);
         let clip = covered.slices[slice].camera.view_projection(1.0).expect("a projection") * point.extend(1.0);
@@ -153,9 +170,13 @@ fn blended(covered: &Covered, texels: &[[u8; 4]], side: usize, from: Vec3, face:
         };
         let [(x, fx), (y, fy)] = place.map(|v| (v.floor(), v - v.floor()));
         let row = |y| at(x, y).lerp(at(x + 1.0, y), fx);
-        sum += weight * row(y).lerp(row(y + 1.0), fy);
+        let texel = row(y).lerp(row(y + 1.0), fy);
+        let counts = weight * (0.5 + 0.5 * texel.w).max(1.0 / 255.0);
+        sum += counts * texel;
+        total += counts;
+        squares += counts * counts;
     }
-    sum / weights.iter().map(|(_, weight)| weight * weight).sum::<f32>().sqrt()
+    sum / total / (squares / (total * total)).sqrt()
 }
 
 #[test]

@@ -9,7 +9,8 @@
 //! triangles are and however many lie behind one another.
 //!
 //! At most [`MAX_BLENDED`] slices are blended for a face ([`blend_weights`]), with the contrast given back that averaging
-//! takes, as in [`super::aligned`].
+//! takes, as in [`super::aligned`]. Neighbouring faces may have different slices: each fades out towards the faces that it
+//! does not show, so that no seam is seen where it ends.
 
 mod blend;
 mod coverage;
@@ -56,6 +57,13 @@ pub(crate) const DEPENDENT_BLEND: Shader = Shader {
     push_bytes: size_of::<BlendPush>() as u32,
 };
 
+pub(crate) const DEPENDENT_FEATHER: Shader = Shader {
+    name: "dependent_feather",
+    spirv: include_bytes!("../../../glsl/spirv/technique/dependent_feather.comp.spv"),
+    bindings: &[BindingKind::Image(Access::ComputeRead), BindingKind::Image(Access::ComputeWrite)],
+    push_bytes: size_of::<FeatherPush>() as u32,
+};
+
 pub(crate) const DEPENDENT_MESH: RasterShader = RasterShader {
     name: "dependent_mesh",
     vertex_spirv: include_bytes!("../../../glsl/spirv/technique/dependent_mesh.vert.spv"),
@@ -89,6 +97,13 @@ struct BlendPush {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct FeatherPush {
+    columns: u32,
+    radius: i32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct MeshPush {
     view_projection: [f32; 16],
     light: [f32; 4],
@@ -106,6 +121,9 @@ struct Push {
 
 /// Sets of slices in a row of the picture of blends, as in the shaders.
 const SETS_ACROSS: u32 = 1024;
+
+/// How far a slice fades out towards faces that it does not show, as a part of its side: 12 pixels of 512.
+const FEATHER: u32 = 42;
 
 /// How the views' textures are synthesised, and how they are blended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,6 +170,9 @@ struct Preparation {
     lights: Lights,
     guide_stage: ComputePipeline,
     guide_set: BindingSet,
+    feather_stage: ComputePipeline,
+    /// Along rows, and then along columns.
+    feather_sets: [BindingSet; 2],
     quilts: Vec<Quilt>,
     /// For each slice, a copy for each paint.
     copies: Vec<Vec<SliceCopy>>,
@@ -332,6 +353,10 @@ impl DependentTechnique {
                 let groups = [width.div_ceil(16), height.div_ceil(8), 1];
                 let push = GuidePush { levels: 1 };
                 recorder.dispatch(&preparation.guide_stage, &preparation.guide_set, &push, groups);
+                for (columns, set) in (0..).zip(&preparation.feather_sets) {
+                    let push = FeatherPush { columns, radius: (width / FEATHER).max(1) as i32 };
+                    recorder.dispatch(&preparation.feather_stage, set, &push, groups);
+                }
             }
             ViewStep::Quilt(paint, steps) => {
                 if let Some(quilt) = preparation.quilts.get(*paint) {
@@ -392,7 +417,9 @@ impl DependentTechnique {
     }
 
     /// The views' textures: R8G8B8A8_UNORM, 3D, a slice for each view (one more, empty, where there is only one), the
-    /// difference from [-1, 1] mapped to [0, 1].
+    /// difference from [-1, 1] mapped to [0, 1]. Alpha is how far inside the slice's faces a texel lies: with d pixels to
+    /// the next texel that shows none of them, and R a 42nd of the side, (d / R)^2 in 255ths rounded down, 255 at most.
+    /// A slice's weight ([`blend_weights`]) is multiplied by it, at least by 1/255, before the weights are normalised.
     pub fn slices(&self) -> &Image {
         self.volume.image()
     }
@@ -481,6 +508,13 @@ impl Preparation {
             (&guide).into(),
         ];
         let guide_set = BindingSet::new(context, &guide_stage, &bound)?;
+        let rows = image("view feather rows", vk::Format::R32_UINT)?;
+        let feather = image("view feather", vk::Format::R32_UINT)?;
+        let feather_stage = ComputePipeline::new(context, &DEPENDENT_FEATHER)?;
+        let feather_sets = [
+            BindingSet::new(context, &feather_stage, &[(&guide).into(), (&rows).into()])?,
+            BindingSet::new(context, &feather_stage, &[(&rows).into(), (&feather).into()])?,
+        ];
         let window = ImageParams { quilt: params.quilt, k: params.k, levels: false };
         let mut quilts = Vec::with_capacity(paints.len());
         for (number, paint) in (1..).zip(paints) {
@@ -494,11 +528,22 @@ impl Preparation {
         for slice in 0..covered.slices.len() as u32 {
             let mut of_slice = Vec::with_capacity(quilts.len());
             for (number, quilt) in (1..).zip(&quilts) {
-                of_slice.push(volume.copy_guided(context, quilt, &guide, number, slice, number == 1)?);
+                of_slice.push(volume.copy_guided(context, quilt, [&guide, &feather], number, slice, number == 1)?);
             }
             copies.push(of_slice);
         }
         let cameras = covered.slices.iter().map(|slice| slice.camera).collect();
-        Ok(Preparation { faces, lists, cameras, lights: lights.clone(), guide_stage, guide_set, quilts, copies })
+        Ok(Preparation {
+            faces,
+            lists,
+            cameras,
+            lights: lights.clone(),
+            guide_stage,
+            guide_set,
+            feather_stage,
+            feather_sets,
+            quilts,
+            copies,
+        })
     }
 }
