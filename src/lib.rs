@@ -82,6 +82,7 @@ pub mod error;
 pub mod gpu;
 pub mod metric;
 pub mod paint;
+mod random;
 pub mod scene;
 #[doc(hidden)]
 pub mod shader_table;

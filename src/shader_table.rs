@@ -1,6 +1,7 @@
 //! Every shader that is built in, for the test that compares Rust's tables with what the SPIR-V itself says.
 
 use crate::gpu::{RasterShader, Shader};
+use crate::metric;
 use crate::scene;
 use crate::synthesis::{quilt, tile_mask, volume};
 use crate::technique::{aligned, dependent, image, object};
@@ -13,6 +14,10 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
         ("synthesis/quilt_place.comp", quilt::QUILT_PLACE),
         ("synthesis/tile_mask.comp", tile_mask::TILE_MASK),
         ("synthesis/volume_slice.comp", volume::VOLUME_SLICE),
+        ("metric/feature_bins.comp", metric::FEATURE_BINS),
+        ("metric/features.comp", metric::FEATURES),
+        ("metric/feature_distance.comp", metric::FEATURE_DISTANCE),
+        ("metric/feature_nearest.comp", metric::FEATURE_NEAREST),
         ("technique/image_histogram.comp", image::IMAGE_HISTOGRAM),
         ("technique/image_levels.comp", image::IMAGE_LEVELS),
         ("technique/image_guide.comp", image::IMAGE_GUIDE),

@@ -63,6 +63,8 @@ impl Garbage {
 pub enum BufferKind {
     /// Read and written by shaders; lies on the device.
     Storage,
+    /// Read by shaders as uniforms; lies on the device.
+    Uniform,
     /// Vertices and indices; lies on the device.
     Geometry,
     /// Written by the host, copied from by the GPU.
@@ -132,6 +134,7 @@ impl BufferInner {
         use vk::BufferUsageFlags as U;
         let (usage, location) = match kind {
             BufferKind::Storage => (U::STORAGE_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly),
+            BufferKind::Uniform => (U::UNIFORM_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Geometry => (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Upload => (U::TRANSFER_SRC, MemoryLocation::CpuToGpu),
             BufferKind::Readback => (U::TRANSFER_DST, MemoryLocation::GpuToCpu),
@@ -331,7 +334,7 @@ impl Image {
     pub(crate) fn texel_bytes(&self) -> u64 {
         match self.0.desc.format {
             vk::Format::R8G8B8A8_UNORM | vk::Format::R32_UINT | vk::Format::R32_SFLOAT | vk::Format::D32_SFLOAT => 4,
-            vk::Format::R32G32B32A32_SFLOAT => 16,
+            vk::Format::R32G32B32A32_SFLOAT | vk::Format::R32G32B32A32_UINT => 16,
             _ => 0,
         }
     }

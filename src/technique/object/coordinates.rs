@@ -231,8 +231,7 @@ const GAMMA: u32 = 2;
 impl Walk<'_> {
     /// A random number in [0, 1).
     fn random(&self, number: u32, purpose: u32) -> f64 {
-        let hash = mix_bits(mix_bits(mix_bits(self.seed) ^ number) ^ purpose);
-        f64::from(hash) / (f64::from(u32::MAX) + 1.0)
+        crate::random::unit(self.seed, number, purpose)
     }
 
     fn finish(&mut self, point: u32, t: f64) {
@@ -387,12 +386,4 @@ impl NextFree {
         }
         at
     }
-}
-
-/// The hash "lowbias32" of C. Wellons (2018) behind the golden ratio as increment, as in quilt.glsl.
-fn mix_bits(x: u32) -> u32 {
-    let x = x.wrapping_add(0x9e37_79b9);
-    let x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
-    let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
 }
