@@ -38,7 +38,7 @@ fn main() -> Result {
     let mut runner = Runner::new(&context)?;
     let search = BlockSearch::new(&context, K)?;
     let mut source = search.source(&mut runner, &strip, BLOCK_PX)?;
-    for count in [800] {
+    for count in [100, 64 * 64] {
         let pixels = impasto::metric::choose(eligible.clone(), count, 1);
         let mut times = Vec::new();
         let mut first: Option<Vec<Vec<Neighbour>>> = None;

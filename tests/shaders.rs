@@ -171,16 +171,13 @@ fn a_binary_that_asks_for_more_is_noticed() {
 fn expected(binding: u32, kind: BindingKind) -> Resource {
     let (class, access) = match kind {
         BindingKind::Buffer(access) => ("storage buffer", access),
-        BindingKind::Uniform(access) => ("uniform buffer", access),
         BindingKind::Image(access) => ("storage image", access),
         BindingKind::Sampled(access) => ("sampled image", access),
     };
     let (non_writable, non_readable) = match access {
-        Access::ComputeRead | Access::FragmentRead => (true, false),
+        Access::ComputeRead | Access::FragmentRead => (class != "uniform buffer", false),
         // A sampler only ever reads.
         Access::FragmentSampled => (false, false),
-        // Nor can a uniform buffer be written, and nothing says so of its members.
-        Access::ComputeUniform => (false, false),
         Access::ComputeWrite => (false, true),
         Access::ComputeReadWrite => (false, false),
         other => panic!("a shader's binding declares {other:?}"),

@@ -23,8 +23,6 @@ pub enum Access {
     ComputeWrite,
     /// Read and written by a compute shader.
     ComputeReadWrite,
-    /// Read by a compute shader as a uniform buffer.
-    ComputeUniform,
     /// Read by a fragment shader as a storage image.
     FragmentRead,
     /// Read by a fragment shader through a sampler.
@@ -64,7 +62,6 @@ impl Access {
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_READ, L::GENERAL, false, false),
             Access::ComputeWrite => (S::COMPUTE_SHADER, A::SHADER_WRITE, L::GENERAL, true, false),
             Access::ComputeReadWrite => (S::COMPUTE_SHADER, A::SHADER_READ | A::SHADER_WRITE, L::GENERAL, true, false),
-            Access::ComputeUniform => (S::COMPUTE_SHADER, A::UNIFORM_READ, L::UNDEFINED, false, false),
             Access::FragmentRead => (S::FRAGMENT_SHADER, A::SHADER_READ, L::GENERAL, false, false),
             Access::FragmentSampled => (S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false, false),
             Access::VertexInput => {

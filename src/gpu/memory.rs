@@ -63,8 +63,6 @@ impl Garbage {
 pub enum BufferKind {
     /// Read and written by shaders; lies on the device.
     Storage,
-    /// Read by shaders as uniforms; lies on the device.
-    Uniform,
     /// Vertices and indices; lies on the device.
     Geometry,
     /// Written by the host, copied from by the GPU.
@@ -134,7 +132,6 @@ impl BufferInner {
         use vk::BufferUsageFlags as U;
         let (usage, location) = match kind {
             BufferKind::Storage => (U::STORAGE_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly),
-            BufferKind::Uniform => (U::UNIFORM_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Geometry => (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Upload => (U::TRANSFER_SRC, MemoryLocation::CpuToGpu),
             BufferKind::Readback => (U::TRANSFER_DST, MemoryLocation::GpuToCpu),

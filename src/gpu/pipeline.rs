@@ -18,8 +18,6 @@ use std::path::{Path, PathBuf};
 pub enum BindingKind {
     /// A storage buffer.
     Buffer(Access),
-    /// A uniform buffer, of at most the 16 KiB that every device takes.
-    Uniform(Access),
     /// A storage image.
     Image(Access),
     /// An image with its sampler.
@@ -29,17 +27,13 @@ pub enum BindingKind {
 impl BindingKind {
     pub(crate) fn access(self) -> Access {
         match self {
-            BindingKind::Buffer(access)
-            | BindingKind::Uniform(access)
-            | BindingKind::Image(access)
-            | BindingKind::Sampled(access) => access,
+            BindingKind::Buffer(access) | BindingKind::Image(access) | BindingKind::Sampled(access) => access,
         }
     }
 
     pub(crate) fn descriptor_type(self) -> vk::DescriptorType {
         match self {
             BindingKind::Buffer(_) => vk::DescriptorType::STORAGE_BUFFER,
-            BindingKind::Uniform(_) => vk::DescriptorType::UNIFORM_BUFFER,
             BindingKind::Image(_) => vk::DescriptorType::STORAGE_IMAGE,
             BindingKind::Sampled(_) => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
         }
@@ -252,7 +246,7 @@ impl BindingSet {
                 matches!(
                     (bound, kind),
                     (Bound::Image(_), BindingKind::Image(_))
-                        | (Bound::Buffer(_), BindingKind::Buffer(_) | BindingKind::Uniform(_))
+                        | (Bound::Buffer(_), BindingKind::Buffer(_))
                         | (Bound::Sampled(..), BindingKind::Sampled(_))
                 )
             });

@@ -5,10 +5,10 @@
 //! ```
 //!
 //! A comparison takes 75 multiplications, two terms of the dot products in each, and 15 roots. Since devices may round roots
-//! differently, the device keeps [`SPARE`] more than are asked for, and the host compares those in integers and 64-bit
-//! roots and drops the rest.
+//! differently, the device keeps some more than are asked for, and the host compares those in integers and 64-bit roots and
+//! drops the rest.
 
-use super::features::{block_corner, check_block, FeatureBins, Features, BINS, HISTOGRAMS};
+use super::features::{block_corner, check_block, FeatureBins, Features, HISTOGRAMS};
 use super::sampling::Eligible;
 use super::Picture;
 use crate::gpu::{
@@ -47,10 +47,10 @@ pub(crate) const FEATURE_DISTANCE: Shader = Shader {
     spirv: include_bytes!("../../glsl/spirv/metric/feature_distance.comp.spv"),
     bindings: &[
         BindingKind::Image(Access::ComputeRead),
-        BindingKind::Uniform(Access::ComputeUniform),
+        BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeWrite),
     ],
-    push_bytes: 8,
+    push_bytes: size_of::<DistancePush>() as u32,
 };
 
 pub(crate) const FEATURE_NEAREST: Shader = Shader {
@@ -65,6 +65,14 @@ pub(crate) const FEATURE_NEAREST: Shader = Shader {
 struct FeaturesPush {
     blocks: u32,
     block_px: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct DistancePush {
+    blocks: u32,
+    apart: u32,
+    tested_blocks: u32,
 }
 
 #[repr(C)]
@@ -85,8 +93,9 @@ const ACROSS: u32 = 4096;
 const CHUNK: usize = 1 << 17;
 /// Tested blocks of one submission.
 const BATCH: usize = 32;
-/// Tested blocks that one invocation compares, as in feature_distance.comp.
-const TOGETHER: usize = 8;
+/// Source blocks and tested blocks that one invocation compares, as in feature_distance.comp.
+const SOURCE_TOGETHER: u32 = 4;
+const TESTED_TOGETHER: u32 = 8;
 /// Source blocks that one invocation of feature_nearest.comp goes through.
 const SEGMENT: u32 = 1024;
 /// Blocks that the device keeps beyond those that are asked for.
@@ -215,27 +224,22 @@ impl BlockSearch {
             let distances = Image::new(context, "feature distances", &desc)?;
             let bytes = BATCH as u64 * u64::from(segments) * kept as u64 * 8;
             let nearest = Buffer::new(context, "nearest blocks", BufferKind::Storage, bytes)?;
-            let mut groups = Vec::with_capacity(BATCH / TOGETHER);
-            for _ in 0..BATCH / TOGETHER {
-                let bytes = (TOGETHER * 2 * HISTOGRAMS * 16) as u64;
-                let uniforms = Buffer::new(context, "tested features", BufferKind::Uniform, bytes)?;
-                let bound = [(&features).into(), (&uniforms).into(), (&distances).into()];
-                let set = BindingSet::new(context, &self.distance, &bound)?;
-                groups.push((uniforms, set));
-            }
+            let desc = ImageDesc::storage_2d(ACROSS, 1, vk::Format::R32G32B32A32_UINT);
+            let tested_image = Image::new(context, "tested features", &desc)?;
+            let bound = [(&features).into(), (&tested_image).into(), (&distances).into()];
+            let distance_set = BindingSet::new(context, &self.distance, &bound)?;
             let bound = [(&distances).into(), (&nearest).into()];
             let nearest_set = BindingSet::new(context, &self.nearest, &bound)?;
             for (batch, found) in tested.chunks(BATCH).zip(found.chunks_mut(BATCH)) {
                 let mut uploads = Uploads::default();
-                for ((uniforms, _), tested) in groups.iter().zip(batch.chunks(TOGETHER)) {
-                    uploads.buffer(context, uniforms, bytemuck::cast_slice(&packed(tested)))?;
-                }
+                uploads.image(context, &tested_image, bytemuck::cast_slice(&packed(batch)))?;
                 let count = batch.len() as u32;
                 runner.run(|recorder| {
                     uploads.record(recorder);
-                    for (first, (_, set)) in (0..count).step_by(TOGETHER).zip(&groups) {
-                        recorder.dispatch(&self.distance, set, &[blocks, first], [blocks.div_ceil(64), 1, 1]);
-                    }
+                    let apart = blocks.div_ceil(SOURCE_TOGETHER);
+                    let push = DistancePush { blocks, apart, tested_blocks: count };
+                    let groups = [apart.div_ceil(64), count.div_ceil(TESTED_TOGETHER), 1];
+                    recorder.dispatch(&self.distance, &distance_set, &push, groups);
                     let push = NearestPush { blocks, segments, segment_blocks: SEGMENT, tested: count };
                     recorder.dispatch(&self.nearest, &nearest_set, &push, [(segments * count).div_ceil(64), 1, 1]);
                     Ok(())
@@ -337,14 +341,15 @@ fn unpack(histogram: impl Fn(usize) -> [u8; 16]) -> Features {
     Features(std::array::from_fn(|h| std::array::from_fn(|bin| histogram(h)[bin])))
 }
 
-/// Tested features as feature_distance.comp wants them: for each histogram five words of two counts, the sum of squares, and
-/// two words of nothing.
-fn packed(tested: &[Features]) -> Vec<[u32; 8]> {
-    let histogram = |counts: &[u8; BINS]| {
-        let count = |bin: usize| u32::from(counts[bin]);
-        let pair = |(low, high): (usize, usize)| count(low) | count(high) << 16;
-        let [a, b, c, d, e] = [(2, 0), (3, 1), (6, 4), (7, 5), (9, 8)].map(pair);
-        [a, b, c, d, e, (0..BINS).map(|bin| count(bin).pow(2)).sum(), 0, 0]
-    };
-    tested.iter().flat_map(|features| features.0.iter().map(histogram)).collect()
+/// A batch as features.comp would write it, with texels to spare.
+fn packed(tested: &[Features]) -> Vec<[u32; 4]> {
+    let mut texels = vec![[0; 4]; ACROSS as usize];
+    let histograms = (0..HISTOGRAMS).flat_map(|h| tested.iter().map(move |features| features.0[h]));
+    for (texel, counts) in texels.iter_mut().zip(histograms) {
+        for (bin, count) in (0..).zip(counts) {
+            texel[bin / 4] |= u32::from(count) << (8 * (bin % 4));
+            texel[3] += u32::from(count).pow(2);
+        }
+    }
+    texels
 }
