@@ -1,10 +1,10 @@
 //! Average co-occurrence error: how unlike two textures are in which grey levels lie near each other.
 //!
-//! P. Bénard, J. Thollot and F. Sillion, "Quality Assessment of Fractalized NPR Textures: a Perceptual Objective Metric"
-//! (APGV 2009), asked people to rank textures distorted by blending copies at several scales, as animation does, and found
-//! that this error predicts their ranking. Here a strip of paint stands for the original, a frame for the distorted
-//! texture. That the difference of such matrices agrees with what people see is also in A. Copeland, G. Ravichandran and
-//! M. Trivedi, "Texture synthesis using gray-level co-occurrence models" (2001).
+//! P. Bénard, J. Thollot and F. Sillion, "Quality Assessment of Fractalized NPR Textures: a Perceptual Objective
+//! Metric" (APGV 2009), asked people to rank textures distorted by blending copies at several scales, as animation
+//! does, and found that this error predicts their ranking. Here a strip of paint stands for the original, a frame for
+//! the distorted texture. That the difference of such matrices agrees with what people see is also in A. Copeland, G.
+//! Ravichandran and M. Trivedi, "Texture synthesis using gray-level co-occurrence models" (2001).
 //!
 //! # What is computed
 //!
@@ -13,13 +13,13 @@
 //!    same pairs the other way round.
 //! 3. For each offset, a matrix holds the share of the pairs of pixels, that far apart and both inside, which have
 //!    level i first and level j second. Its entries add up to 1.
-//! 4. The error at an offset is half of the sum of |sample - frame| over the entries: the share of pairs that would have
-//!    to be others. The result is the mean over all offsets.
+//! 4. The error at an offset is half of the sum of |sample - frame| over the entries: the share of pairs that would
+//!    have to be others. The result is the mean over all offsets.
 //!
-//! The idea, matrices compared entry by entry and averaged over offsets, is the papers'. The weights of grey, the number
-//! of levels, the offsets and the half that makes 1 the greatest error are ours; the papers may differ in them, so that
-//! values must not be compared with printed ones. Grey levels are not equalised before: paint of another tone is
-//! an error, too.
+//! The idea, matrices compared entry by entry and averaged over offsets, is the papers'. The weights of grey, the
+//! number of levels, the offsets and the half that makes 1 the greatest error are ours; the papers may differ in them,
+//! so that values must not be compared with printed ones. Grey levels are not equalised before: paint of another tone
+//! is an error, too.
 //!
 //! A matrix of few pairs is a rough estimate, and two pieces of one texture differ by chance. What counts is the
 //! difference between values of pieces of like size.

@@ -2,11 +2,12 @@
 //!
 //! P. Andersson, J. Nilsson, T. Akenine-Möller, M. Oskarsson, K. Åström and M. Fairchild, "FLIP: A Difference Evaluator
 //! for Alternating Images" (HPG 2020). Colours are filtered as far as the eye cannot resolve them, compared in a
-//! perceptual space, and differences weigh more where edges or points come or go. The other measures look at a texture as
-//! a whole; this one at every pixel, so that it says how much of a frame changed, and where.
+//! perceptual space, and differences weigh more where edges or points come or go. The other measures look at a texture
+//! as a whole; this one at every pixel, so that it says how much of a frame changed, and where.
 //!
-//! The computation is NVIDIA's own, by the crate `nv-flip`. Its C++ is what keeps this module to builds with the feature
-//! `cli`. Unlike elsewhere in the crate, stored values are read as sRGB, since FLIP is about what a display shows.
+//! The computation is NVIDIA's own, by the crate `nv-flip`. Its C++ is what keeps this module to builds with the
+//! feature `cli`. Unlike elsewhere in the crate, stored values are read as sRGB, since FLIP is about what a display
+//! shows.
 
 use super::Picture;
 use crate::{Error, Result};

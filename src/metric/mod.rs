@@ -2,7 +2,7 @@
 //!
 //! | newer measure | compares | says |
 //! |---|---|---|
-//! | [`cooccurrence_error`] | sample and frame, as textures | which grey levels lie near each other (Bénard et al. 2009) |
+//! | [`cooccurrence_error`] | sample and frame, as textures | which greys lie near each other (Bénard et al. 2009) |
 //! | [`sliced_wasserstein`] | sample and frame, as textures | how far their patches are apart (Heitz et al. 2021) |
 //! | `flip` (feature `cli`) | two frames, pixel by pixel | what a person sees change (Andersson et al. 2020) |
 

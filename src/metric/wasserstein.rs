@@ -1,13 +1,13 @@
 //! Sliced Wasserstein distance: how far the patches of one picture are from those of another.
 //!
 //! A texture is looked at as the set of its patches, each a point with one dimension for each value of each pixel. The
-//! Wasserstein distance says how far the points of one set must move, at best, to become the other set; where a patch lies
-//! in its picture does not matter. In many dimensions that is dear, but along a line it takes no more than sorting, so the
-//! points are projected to random lines, and the squared distances are averaged.
+//! Wasserstein distance says how far the points of one set must move, at best, to become the other set; where a patch
+//! lies in its picture does not matter. In many dimensions that is dear, but along a line it takes no more than
+//! sorting, so the points are projected to random lines, and the squared distances are averaged.
 //!
-//! E. Heitz, K. Vanhoey, T. Chambon and L. Belcour, "A Sliced Wasserstein Loss for Neural Texture Synthesis" (CVPR 2021),
-//! compare the features of a neural network (VGG-19) in this way, layer by layer. Here the points are patches of plain RGB
-//! pixels, which need no network: what is told apart is no larger than a patch.
+//! E. Heitz, K. Vanhoey, T. Chambon and L. Belcour, "A Sliced Wasserstein Loss for Neural Texture Synthesis" (CVPR
+//! 2021), compare the features of a neural network (VGG-19) in this way, layer by layer. Here the points are patches of
+//! plain RGB pixels, which need no network: what is told apart is no larger than a patch.
 
 use super::Picture;
 use crate::{Error, Result};
@@ -17,8 +17,8 @@ use crate::{Error, Result};
 pub struct WassersteinParams {
     /// Side of a patch, 3 to 16 pixels.
     pub patch_px: u32,
-    /// Random directions, 1 to 4096. With n of them the result varies from seed to seed by about 0.7 / sqrt(n) of itself
-    /// where all pixels differ alike, and less elsewhere.
+    /// Random directions, 1 to 4096. With n of them the result varies from seed to seed by about 0.7 / sqrt(n) of
+    /// itself where all pixels differ alike, and less elsewhere.
     pub directions: u32,
     /// Most patches that are taken of a picture, 1 to 65,536, spread evenly over it; all of them where there are fewer.
     pub patches: u32,
@@ -57,7 +57,8 @@ impl WassersteinParams {
 /// Patches are wholly inside; sample and frame may have any sizes.
 ///
 /// # Errors
-/// [`Error::Parameter`] for a parameter outside of its range, and where no patch lies wholly inside one of the pictures.
+/// [`Error::Parameter`] for a parameter outside of its range, and where no patch lies wholly inside one of the
+/// pictures.
 pub fn sliced_wasserstein(sample: &Picture, frame: &Picture, params: &WassersteinParams) -> Result<f64> {
     params.validate()?;
     let sample = Patches::sample("number of patches inside the sample", sample, params)?;
