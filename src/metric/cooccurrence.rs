@@ -16,10 +16,10 @@
 //! 4. The error at an offset is half of the sum of |sample - frame| over the entries: the share of pairs that would
 //!    have to be others. The result is the mean over all offsets.
 //!
-//! The idea, matrices compared entry by entry and averaged over offsets, is the papers'. The weights of grey, the
-//! number of levels, the offsets and the half that makes 1 the greatest error are ours; the papers may differ in them,
-//! so that values must not be compared with printed ones. Grey levels are not equalised before: paint of another tone
-//! is an error, too.
+//! The idea, matrices compared and the errors averaged, is the papers'. The absolute difference, the half that makes 1
+//! the greatest error, the weights of grey, the number of levels and the offsets are ours; the papers may differ in
+//! them, so that values must not be compared with printed ones. Grey levels are not equalised before: paint of another
+//! tone is an error, too.
 //!
 //! A matrix of few pairs is a rough estimate, and two pieces of one texture differ by chance. What counts is the
 //! difference between values of pieces of like size.
