@@ -82,7 +82,7 @@ fn without_roots_rights_the_exact_command_is_printed() {
     let (output, apt) = setup(&machine, "demo");
     assert_eq!((output.status.code(), apt.as_str()), (Some(1), ""));
     let told = errors(&output);
-    let command = "sudo apt-get update && sudo apt-get install -y --no-install-recommends mesa-vulkan-drivers\n";
+    let command = "sudo apt-get update && sudo apt-get install -y --no-install-recommends g++ mesa-vulkan-drivers\n";
     assert!(told.contains(command), "{told}");
 }
 

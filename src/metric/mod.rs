@@ -1,14 +1,33 @@
 //! How good a picture is: the thesis's three metrics (chapter 9), and newer ones beside them.
 //!
 //! All of it looks at finished [`Picture`]s, ours or others', and is no part of a frame's work.
+//!
+//! ```text
+//! frame -> Eligible -> choose -> BlockSearch::features --> BlockSearch::nearest (or a k-d tree) -> similarity, shading_error
+//!                                          \---- two frames ----> coherence
+//! ```
+//!
+//! | newer measure | compares | says |
+//! |---|---|---|
+//! | [`cooccurrence_error`] | sample and frame, as textures | which greys lie near each other (Bénard et al. 2009) |
+//! | [`sliced_wasserstein`] | sample and frame, as textures | how far their patches are apart (Heitz et al. 2021) |
+//! | `flip` (feature `cli`) | two frames, pixel by pixel | what a person sees change (Andersson et al. 2020) |
 
+mod cooccurrence;
 mod features;
+#[cfg(feature = "cli")]
+mod flip;
 mod picture;
 mod sampling;
 mod search;
+mod wasserstein;
 
+pub use cooccurrence::{cooccurrence_error, CooccurrenceParams};
 pub use features::{block_corner, check_block, FeatureBins, Features, BINS, BLOCK_PX, HISTOGRAMS};
+#[cfg(feature = "cli")]
+pub use flip::{flip, FlipErrors, FlipParams};
 pub use picture::{Picture, MAX_PICTURE_SIDE_PX};
 pub use sampling::{choose, Eligible};
 pub use search::{BlockSearch, Neighbour, Source, NEAREST};
 pub(crate) use search::{FEATURES, FEATURE_BINS, FEATURE_DISTANCE, FEATURE_NEAREST};
+pub use wasserstein::{sliced_wasserstein, WassersteinParams};
