@@ -12,20 +12,29 @@ mod builtin;
 mod demo;
 mod demo_page;
 mod devices;
+// No command measures yet: this module and the others with this attribute are for reports of measurements.
+#[allow(dead_code)]
+mod error_map;
 mod failure;
 mod files;
 mod paint;
 mod painter;
 mod paints;
 mod picture;
+#[allow(dead_code)]
+mod plot;
 mod prepare;
 mod progress;
 mod quilt;
 mod quilting;
 mod render;
 mod report;
+#[allow(dead_code)]
+mod report_page;
 mod session;
 mod strips;
+#[allow(dead_code)]
+mod table;
 mod techniques;
 mod tile;
 mod values;

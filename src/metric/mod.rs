@@ -19,6 +19,7 @@ mod features;
 mod flip;
 mod picture;
 mod sampling;
+mod scores;
 mod search;
 mod wasserstein;
 
@@ -28,6 +29,7 @@ pub use features::{block_corner, check_block, FeatureBins, Features, BINS, BLOCK
 pub use flip::{flip, FlipErrors, FlipParams};
 pub use picture::{Picture, MAX_PICTURE_SIDE_PX};
 pub use sampling::{choose, Eligible};
+pub use scores::{coherence, shading_error, similarity, Score};
 pub use search::{BlockSearch, Neighbour, Source, NEAREST};
 pub(crate) use search::{FEATURES, FEATURE_BINS, FEATURE_DISTANCE, FEATURE_NEAREST};
 pub use wasserstein::{sliced_wasserstein, WassersteinParams};

@@ -10,6 +10,7 @@
 //! plain RGB pixels, which need no network: what is told apart is no larger than a patch.
 
 use super::Picture;
+use crate::random::bits;
 use crate::{Error, Result};
 
 /// Which patches are compared, and along how many lines.
@@ -89,7 +90,7 @@ impl Patches {
         let wanted = total.min(u64::from(params.patches));
         let drawn = |part: u64| {
             let (start, end) = (part * total / wanted, (part + 1) * total / wanted);
-            start + u64::from(hash(params.seed, part as u32, PATCH)) % (end - start)
+            start + u64::from(bits(params.seed, part as u32, PATCH)) % (end - start)
         };
         let mut dimensions = vec![Vec::with_capacity(wanted as usize); (side * side * 3) as usize];
         let (mut passed, mut part, mut next) = (0, 0, drawn(0));
@@ -157,7 +158,7 @@ fn squared_distance(a: &[f32], b: &[f32]) -> f64 {
 /// A direction of length 1, all directions being equally likely: normally distributed numbers, scaled.
 fn unit_direction(seed: u32, number: u32, dimensions: usize) -> Vec<f32> {
     let uniform =
-        |i: usize, purpose| (f64::from(hash(hash(seed, number, DIRECTION), i as u32, purpose)) + 0.5) / 2f64.powi(32);
+        |i: usize, purpose| (f64::from(bits(bits(seed, number, DIRECTION), i as u32, purpose)) + 0.5) / 2f64.powi(32);
     // Box and Muller (1958).
     let normal = |i| (-2.0 * uniform(i, RADIUS).ln()).sqrt() * (std::f64::consts::TAU * uniform(i, ANGLE)).cos();
     let values: Vec<f64> = (0..dimensions).map(normal).collect();
@@ -170,19 +171,6 @@ const PATCH: u32 = 0;
 const DIRECTION: u32 = 1;
 const RADIUS: u32 = 2;
 const ANGLE: u32 = 3;
-
-/// A random number for a seed, a number and a purpose.
-fn hash(seed: u32, number: u32, purpose: u32) -> u32 {
-    mix_bits(mix_bits(mix_bits(seed) ^ number) ^ purpose)
-}
-
-/// The hash "lowbias32" of C. Wellons (2018) behind the golden ratio as increment, as in quilt.glsl.
-fn mix_bits(x: u32) -> u32 {
-    let x = x.wrapping_add(0x9e37_79b9);
-    let x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
-    let x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
-}
 
 #[cfg(test)]
 mod tests {

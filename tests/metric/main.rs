@@ -1,7 +1,10 @@
-//! The thesis's metrics (chapter 9): features and distances on the GPU against plain code and known answers.
+//! Metrics: the thesis's (chapter 9), on the GPU against plain code and known answers, and newer ones.
 
 #[path = "../common/mod.rs"]
 mod common;
+#[cfg(feature = "cli")]
+mod flip;
+mod modern;
 mod search;
 
 use common::{noise, Validated};

@@ -1,5 +1,4 @@
 //! FLIP between two frames: a value worked by hand, and what must hold of its map and mean.
-#![cfg(feature = "cli")]
 
 use impasto::metric::{flip, FlipErrors, FlipParams, Picture};
 
