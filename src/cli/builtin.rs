@@ -16,3 +16,8 @@ pub const BUILTIN: [Builtin; 5] = [
     Builtin { name: "strip_dark_red.png", bytes: include_bytes!("../../assets/strip_dark_red.png") },
     Builtin { name: "strip_red_yellow.png", bytes: include_bytes!("../../assets/strip_red_yellow.png") },
 ];
+
+/// The one of that name.
+pub fn builtin(name: &str) -> Option<&'static Builtin> {
+    BUILTIN.iter().find(|file| file.name == name)
+}

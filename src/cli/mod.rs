@@ -9,19 +9,20 @@
 
 mod blocks;
 mod builtin;
+mod compare;
+mod compare_page;
 mod demo;
 mod demo_page;
 mod devices;
-// No command measures yet: this module and the others with this attribute are for reports of measurements.
-#[allow(dead_code)]
 mod error_map;
 mod failure;
 mod files;
+mod measure;
+mod meter;
 mod paint;
 mod painter;
 mod paints;
 mod picture;
-#[allow(dead_code)]
 mod plot;
 mod prepare;
 mod progress;
@@ -29,11 +30,9 @@ mod quilt;
 mod quilting;
 mod render;
 mod report;
-#[allow(dead_code)]
 mod report_page;
 mod session;
 mod strips;
-#[allow(dead_code)]
 mod table;
 mod techniques;
 mod tile;
@@ -72,6 +71,10 @@ enum Command {
     Prepare(prepare::PrepareArgs),
     /// Shade a model with paint
     Render(Box<render::RenderArgs>),
+    /// Measure how good a picture is, and how calm a sequence
+    Measure(measure::MeasureArgs),
+    /// Paint a model with every technique, still and moving, measure them all alike, and write one report
+    Compare(Box<compare::CompareArgs>),
     /// Show what the program can do, without any file: a page with pictures of everything
     Demo(demo::DemoArgs),
 }
@@ -112,6 +115,8 @@ impl Command {
             Command::Tile(_) => "tile",
             Command::Prepare(_) => "prepare",
             Command::Render(_) => "render",
+            Command::Measure(_) => "measure",
+            Command::Compare(_) => "compare",
             Command::Demo(_) => "demo",
         }
     }
@@ -124,6 +129,8 @@ impl Command {
             Command::Tile(args) => tile::run(args, session),
             Command::Prepare(args) => prepare::run(args, session),
             Command::Render(args) => render::run(args, session),
+            Command::Measure(args) => measure::run(args, session),
+            Command::Compare(args) => compare::run(args, session),
             Command::Demo(args) => demo::run(args, session),
         }
     }

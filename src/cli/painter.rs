@@ -29,9 +29,11 @@ pub struct Scene<'a> {
 /// A scene, ready to be painted or painted already.
 pub struct Painter<'a> {
     scene: &'a Scene<'a>,
+    camera: Camera,
     guides: GuidePass,
     technique: Prepared,
     range: ShadeRange,
+    seed: u32,
 }
 
 enum Prepared {
@@ -72,15 +74,7 @@ impl<'a> Painter<'a> {
                     ImageTechnique::new(&context, &mut uploads, &stages, &guides, &all, &paints.of_object, &params)?;
                 device.upload(&mut uploads)?;
                 session.phase("prepare");
-                let parts = technique.parts(PART_COMPARISONS);
-                let progress = session.progress("painting", parts.len());
-                for part in parts {
-                    device.runner.run(|recorder| {
-                        technique.record_part(recorder, &part, seed, 0);
-                        Ok(())
-                    })?;
-                    progress.step();
-                }
+                synthesise(session, device, &technique, seed, 0)?;
                 Prepared::Image(technique)
             }
             Technique::Object(params) => {
@@ -134,12 +128,24 @@ impl<'a> Painter<'a> {
                 Prepared::Dependent(Box::new(technique), covered.report)
             }
         };
-        Ok(Painter { scene, guides, technique, range })
+        Ok(Painter { scene, camera: scene.camera, guides, technique, range, seed })
+    }
+
+    /// Looks through another camera: draws the guides, and synthesises anew what is synthesised for every frame, as frame
+    /// `number`. The range of shade stays.
+    pub fn look(&mut self, session: &Session, device: &mut Device, camera: Camera, number: u32) -> Result {
+        self.camera = camera;
+        device.runner.run(|recorder| self.guides.record(recorder, &camera, &self.scene.lights))?;
+        if let Prepared::Image(technique) = &self.technique {
+            synthesise(session, device, technique, self.seed, number)?;
+        }
+        Ok(())
     }
 
     /// The frame: painted, its colour alone, or its texture alone.
     pub fn frame(&self, device: &mut Device, show: Show) -> Result<RgbaImage> {
-        let Scene { camera, lights, size, .. } = self.scene;
+        let Scene { lights, size, .. } = self.scene;
+        let camera = &self.camera;
         device.runner.run(|recorder| match &self.technique {
             Prepared::Image(technique) => {
                 technique.record_recombine(recorder, show);
@@ -169,19 +175,24 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The shade in use, 0..1 as 0..255; the background is transparent.
-    pub fn shade(&self, device: &mut Device) -> Result<GrayAlphaImage> {
-        let shade = match &self.technique {
+    /// The shade in use at every pixel, 0 to 1; 0 in the background.
+    pub fn shades(&self, device: &mut Device) -> Result<Vec<f32>> {
+        Ok(match &self.technique {
             Prepared::Image(technique) => floats(&device.runner.read_image(technique.shade())?),
             _ => {
                 let shade = floats(&device.runner.read_image(self.guides.shade())?);
                 shade.into_iter().map(|shade| self.range.spread(shade)).collect()
             }
-        };
+        })
+    }
+
+    /// The shade in use, 0..1 as 0..255; the background is transparent.
+    pub fn shade(&self, device: &mut Device) -> Result<GrayAlphaImage> {
+        let shades = self.shades(device)?;
         let id = self.ids(device)?;
         let Size { width, height } = self.scene.size;
         let mut picture = GrayAlphaImage::new(width, height);
-        for ((pixel, shade), id) in picture.pixels_mut().zip(shade).zip(id) {
+        for ((pixel, shade), id) in picture.pixels_mut().zip(shades).zip(id) {
             if id != 0 {
                 *pixel = LumaA([(shade * 255.0 + 0.5).floor() as u8, 255]);
             }
@@ -217,6 +228,20 @@ impl<'a> Painter<'a> {
     fn ids(&self, device: &mut Device) -> Result<Vec<u32>> {
         Ok(words(&device.runner.read_image(self.guides.id())?))
     }
+}
+
+/// Synthesises a frame with a progress bar.
+fn synthesise(session: &Session, device: &mut Device, technique: &ImageTechnique, seed: u32, number: u32) -> Result {
+    let parts = technique.parts(PART_COMPARISONS);
+    let progress = session.progress("painting", parts.len());
+    for part in parts {
+        device.runner.run(|recorder| {
+            technique.record_part(recorder, &part, seed, number);
+            Ok(())
+        })?;
+        progress.step();
+    }
+    Ok(())
 }
 
 /// Synthesises levels with a progress bar.

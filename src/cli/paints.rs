@@ -123,6 +123,17 @@ impl PaintFlags {
 }
 
 impl Paints {
+    /// One strip for all objects of a model.
+    pub fn single(strip: Strip, file: PathBuf, mesh: &Mesh) -> Self {
+        Paints {
+            strips: vec![Source::Strip(Box::new(strip))],
+            gradients: Vec::new(),
+            pairs: vec![(0, None)],
+            of_object: vec![0; mesh.objects().len()],
+            files: vec![file],
+        }
+    }
+
     /// The paints as the techniques take them, in the order of their numbers.
     pub fn all(&self) -> Result<Vec<Paint<'_>>> {
         let paint = |(&(strip, _), trajectory): (&(usize, Option<usize>), _)| match &self.strips[strip] {

@@ -51,6 +51,13 @@ pub fn gray_png(picture: GrayAlphaImage) -> Result<Vec<u8>> {
     write(&DynamicImage::ImageLumaA8(picture), ImageFormat::Png)
 }
 
+/// Encodes 16-bit colours as PNG.
+pub fn png16(width: u32, height: u32, pixels: &[[u16; 3]]) -> Result<Vec<u8>> {
+    let picture = image::ImageBuffer::from_raw(width, height, pixels.as_flattened().to_vec())
+        .ok_or_else(|| Failure::new(format!("no picture of {width}x{height} pixels")))?;
+    write(&DynamicImage::ImageRgb16(picture), ImageFormat::Png)
+}
+
 fn write(picture: &DynamicImage, format: ImageFormat) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     picture.write_to(&mut bytes, format).map_err(|error| Failure::new(format!("encoding the picture: {error}")))?;

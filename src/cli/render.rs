@@ -117,7 +117,7 @@ fn coverage_json(report: &CoverageReport) -> serde_json::Value {
 }
 
 /// Loads a model and tells what was wrong with it.
-fn load_model(path: &Path, session: &mut Session) -> Result<Mesh> {
+pub fn load_model(path: &Path, session: &mut Session) -> Result<Mesh> {
     let loaded = Mesh::load(path, &MeshOptions::default())?;
     for warning in loaded.warnings {
         session.warn(format!("{}: {warning}", path.display()));

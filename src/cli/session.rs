@@ -182,6 +182,16 @@ impl Session {
         self.results.insert(name.to_owned(), value.into());
     }
 
+    /// All parameters so far, for a report of the command's own.
+    pub fn parameters_json(&self) -> Value {
+        Value::Object(self.parameters.clone())
+    }
+
+    /// The device in use, for the same.
+    pub fn device_json(&self) -> Value {
+        self.device.as_ref().map_or(Value::Null, device_json)
+    }
+
     /// A line that ends the report where it is not JSON.
     pub fn closing_line(&mut self, line: String) {
         self.closing = Some(line);

@@ -17,19 +17,23 @@ mod cooccurrence;
 mod features;
 #[cfg(feature = "cli")]
 mod flip;
+mod motion;
 mod picture;
 mod sampling;
 mod scores;
 mod search;
+mod shades;
 mod wasserstein;
 
 pub use cooccurrence::{cooccurrence_error, CooccurrenceParams};
 pub use features::{block_corner, check_block, FeatureBins, Features, BINS, BLOCK_PX, HISTOGRAMS};
 #[cfg(feature = "cli")]
 pub use flip::{flip, FlipErrors, FlipParams};
+pub use motion::Motion;
 pub use picture::{Picture, MAX_PICTURE_SIDE_PX};
 pub use sampling::{choose, Eligible};
 pub use scores::{coherence, shading_error, similarity, Score};
 pub use search::{BlockSearch, Neighbour, Source, NEAREST};
 pub(crate) use search::{FEATURES, FEATURE_BINS, FEATURE_DISTANCE, FEATURE_NEAREST};
+pub use shades::Shades;
 pub use wasserstein::{sliced_wasserstein, WassersteinParams};

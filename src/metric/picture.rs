@@ -1,6 +1,8 @@
 //! What is measured: a picture of 8-bit colours, and which of its pixels count.
 
+use crate::paint::{decode_picture, read_picture};
 use crate::{Error, Result};
+use std::path::Path;
 
 /// The longest side of a picture that is measured, pixels.
 pub const MAX_PICTURE_SIDE_PX: u32 = 16_384;
@@ -31,6 +33,41 @@ impl Picture {
             return Err(Error::parameter("pixels of a picture", pixels.len(), format!("{width} x {height}")));
         }
         Ok(Picture { width, height, pixels })
+    }
+
+    /// Reads a picture file of any kind that paint is read from; 16-bit values are rounded to 8 bits.
+    ///
+    /// # Errors
+    /// As [`crate::paint::PaintSample::load`].
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let picture = decode_picture(&read_picture(path)?, path)?.to_rgba8();
+        let pixels = picture.pixels().map(|pixel| pixel.0).collect();
+        Picture::new(picture.width(), picture.height(), pixels)
+    }
+
+    /// The picture with only those pixels inside that are so already and that are light (128 or more in green) and inside
+    /// in `mask`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a mask of another size.
+    pub fn masked(mut self, mask: &Picture) -> Result<Self> {
+        mask.check_size("mask", self.width, self.height)?;
+        for (pixel, mask) in self.pixels.iter_mut().zip(&mask.pixels) {
+            if mask[1] < 128 || mask[3] != 255 {
+                pixel[3] = 0;
+            }
+        }
+        Ok(self)
+    }
+
+    /// Checks that the picture, called `name`, has a size.
+    pub(crate) fn check_size(&self, name: &'static str, width: u32, height: u32) -> Result<()> {
+        if (self.width, self.height) != (width, height) {
+            let allowed = format!("{width} x {height} pixels, as the frame");
+            return Err(Error::parameter(name, format!("{} x {}", self.width, self.height), allowed));
+        }
+        Ok(())
     }
 
     /// Pixels in a row.

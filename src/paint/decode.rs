@@ -21,11 +21,7 @@ impl PaintSample {
     /// [`Error::Io`] if the file cannot be read, otherwise as [`PaintSample::decode`].
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let mut bytes = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
-            .map_err(|source| Error::io(path, source))?;
-        Self::decode(&bytes, path)
+        Self::decode(&read_picture(path)?, path)
     }
 
     /// Decodes a picture file in memory; `name` is what an error calls it.
@@ -37,34 +33,56 @@ impl PaintSample {
     /// [`Error::File`] with the name: an unknown format, a damaged or truncated file, no pixels, more than
     /// [`MAX_SIDE_PX`] pixels on a side (found before anything is allocated), values that are not numbers.
     pub fn decode(bytes: &[u8], name: &Path) -> Result<Self> {
+        let picture = decode_picture(bytes, name)?;
         let fail = |reason: String| Error::file(name, reason);
-        if bytes.is_empty() {
-            return Err(fail("the file is empty".into()));
-        }
-        if bytes.len() as u64 > MAX_FILE_BYTES {
-            return Err(fail(format!("larger than the {} MiB that are read", MAX_FILE_BYTES >> 20)));
-        }
-        let format = image::guess_format(bytes).map_err(|_| fail("not a PNG, JPEG, BMP, GIF or TIFF file".into()))?;
-        // The JPEG decoder fills what is missing at the end with grey, and reports success.
-        if format == ImageFormat::Jpeg && !jpeg_has_end(bytes) {
-            return Err(fail("the JPEG data end too early: the file is truncated".into()));
-        }
-        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-        let mut limits = Limits::no_limits();
-        limits.max_alloc = Some(MAX_DECODER_BYTES);
-        reader.limits(limits);
-        let mut decoder = reader.into_decoder().map_err(|error| fail(error.to_string()))?;
-        let (width, height) = decoder.dimensions();
-        if width == 0 || height == 0 || width > MAX_SIDE_PX || height > MAX_SIDE_PX {
-            return Err(fail(format!("{width} x {height} pixels, but a side must have 1 to {MAX_SIDE_PX}")));
-        }
-        // A damaged EXIF block is no reason to refuse a picture.
-        let orientation = decoder.orientation().unwrap_or(image::metadata::Orientation::NoTransforms);
-        let mut picture = DynamicImage::from_decoder(decoder).map_err(|error| fail(error.to_string()))?;
-        picture.apply_orientation(orientation);
         let pixels = on_white_paper(&picture).ok_or_else(|| fail("holds values that are not numbers".into()))?;
         Self::from_pixels(picture.width(), picture.height(), pixels).map_err(|error| fail(error.to_string()))
     }
+}
+
+/// Reads a picture file as [`decode_picture`] takes it.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; a larger one than is decoded is read no further.
+pub(crate) fn read_picture(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|source| Error::io(path, source))?;
+    Ok(bytes)
+}
+
+/// Decodes a picture file in memory, upright.
+///
+/// # Errors
+/// As [`PaintSample::decode`], but for values that are not numbers.
+pub(crate) fn decode_picture(bytes: &[u8], name: &Path) -> Result<DynamicImage> {
+    let fail = |reason: String| Error::file(name, reason);
+    if bytes.is_empty() {
+        return Err(fail("the file is empty".into()));
+    }
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(fail(format!("larger than the {} MiB that are read", MAX_FILE_BYTES >> 20)));
+    }
+    let format = image::guess_format(bytes).map_err(|_| fail("not a PNG, JPEG, BMP, GIF or TIFF file".into()))?;
+    // The JPEG decoder fills what is missing at the end with grey, and reports success.
+    if format == ImageFormat::Jpeg && !jpeg_has_end(bytes) {
+        return Err(fail("the JPEG data end too early: the file is truncated".into()));
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MAX_DECODER_BYTES);
+    reader.limits(limits);
+    let mut decoder = reader.into_decoder().map_err(|error| fail(error.to_string()))?;
+    let (width, height) = decoder.dimensions();
+    if width == 0 || height == 0 || width > MAX_SIDE_PX || height > MAX_SIDE_PX {
+        return Err(fail(format!("{width} x {height} pixels, but a side must have 1 to {MAX_SIDE_PX}")));
+    }
+    // A damaged EXIF block is no reason to refuse a picture.
+    let orientation = decoder.orientation().unwrap_or(image::metadata::Orientation::NoTransforms);
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(|error| fail(error.to_string()))?;
+    picture.apply_orientation(orientation);
+    Ok(picture)
 }
 
 /// All pixels as RGB in 0..1 over white; `None` if a value is not a number.

@@ -43,6 +43,7 @@ mod timing;
 mod trajectory;
 mod wrap;
 
+pub(crate) use decode::{decode_picture, read_picture};
 pub use sample::{PaintSample, StripHint, MAX_SIDE_PX};
 pub use separation::TextureDifference;
 pub use speed::SpeedCurve;

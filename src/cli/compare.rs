@@ -1,0 +1,303 @@
+//! `impasto compare`: all techniques, still and moving, measured alike, and one report (thesis chapter 10).
+
+use super::builtin::builtin;
+use super::compare_page::{self, Report};
+use super::error_map::ErrorMap;
+use super::failure::{Failure, Result};
+use super::files::{check_folder, Outputs};
+use super::measure::shading_figures;
+use super::meter::{Figures, Grid, Meter, MeterFlags};
+use super::painter::{Painter, Scene};
+use super::paints::Paints;
+use super::picture::{gray_png, over, png, png16};
+use super::quilting::Quilting;
+use super::render::load_model;
+use super::session::{Device, Session};
+use super::strips::{Strip, StripFlags};
+use super::techniques::{TechniqueFlags, TechniqueName};
+use super::values::{finite, Size};
+use super::view::ViewFlags;
+use clap::Args;
+use image::RgbaImage;
+use impasto::metric::{
+    check_block, coherence, flip, shading_error, similarity, Eligible, FlipParams, Motion, Picture, BLOCK_PX,
+};
+use impasto::paint::PaintSample;
+use impasto::scene::{Camera, Guide, GuideOracle, Lights, Mesh, MeshOptions, Vec3};
+use impasto::technique::Show;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The strips that are compared where none is given.
+const STRIPS: [&str; 3] = ["strip_green_yellow.png", "strip_dark_red.png", "strip_red_yellow.png"];
+const MODEL: &str = "head.obj";
+/// All techniques, in the thesis's order.
+pub const TECHNIQUES: [TechniqueName; 4] =
+    [TechniqueName::Object, TechniqueName::Image, TechniqueName::Aligned, TechniqueName::Dependent];
+/// Block sizes of the plot.
+pub const PLOTTED: [u32; 3] = [4, 8, 12];
+
+/// Flags of `impasto compare`.
+#[derive(Args, Debug)]
+#[command(mut_arg("technique", |arg| arg.hide(true)))]
+pub struct CompareArgs {
+    /// Wavefront OBJ model [default: a built-in head]
+    #[arg(value_name = "MODEL.obj")]
+    model: Option<PathBuf>,
+    /// Folder for the report: index.html, figures.csv, figures.json, the frames, shade and motion
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Paint strip; may be repeated [default: three built-in ones]
+    #[arg(long = "paint", value_name = "STRIP.png")]
+    paints: Vec<PathBuf>,
+    /// Size of the frames
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "512x512", allow_hyphen_values = true)]
+    size: Size,
+    /// How far the camera turns around the model from a frame to the next, in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = finite, default_value_t = 1.0, allow_hyphen_values = true)]
+    turn: f32,
+    #[command(flatten)]
+    meter: MeterFlags,
+    #[command(flatten)]
+    view: ViewFlags,
+    #[command(flatten)]
+    strip: StripFlags,
+    #[command(flatten)]
+    quilting: Quilting,
+    #[command(flatten)]
+    technique: TechniqueFlags,
+}
+
+/// What all paints are measured with.
+struct Stage<'a> {
+    args: &'a CompareArgs,
+    mesh: &'a Mesh,
+    lights: Lights,
+    cameras: [Camera; 2],
+    motion: Motion,
+    meter: Meter,
+    /// For the plot, at other block sizes.
+    meters: Vec<Meter>,
+}
+
+/// One technique with one paint.
+pub struct Measured {
+    pub paint: usize,
+    pub technique: TechniqueName,
+    pub figures: Figures,
+    /// Similarity at the plotted block sizes.
+    pub by_block: Vec<(u32, Vec<f64>)>,
+    pub frame: Vec<u8>,
+    pub map: ErrorMap,
+}
+
+/// Compares.
+pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
+    check_folder(&args.output)?;
+    let lights = args.view.lights()?;
+    let (model, mesh) = match &args.model {
+        Some(path) => (path.display().to_string(), load_model(path, session)?),
+        None => (MODEL.to_owned(), builtin_model()?),
+    };
+    let camera = args.view.camera(&mesh, args.size.aspect())?;
+    let cameras = [camera, turned(&camera, args.turn, &mesh)?];
+    let strips = args.strips(session)?;
+    for (name, strip) in &strips {
+        let size = (strip.sample.width(), strip.sample.height());
+        args.quilting.check(Path::new(name), size, args.size, false)?;
+        check_block(*BLOCK_PX.end(), &picture_of(strip)?)?;
+    }
+    session.parameter("model", model.clone());
+    session.parameter("paint", strips.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());
+    session.parameter("size", args.size.to_string());
+    session.parameter("turn", super::report::number(args.turn));
+    args.meter.report(session);
+    args.quilting.report(session);
+    args.view.report(&camera, &lights, session);
+    session.phase("load");
+
+    let mut device = session.open_device()?;
+    device.check_size(args.size)?;
+    session.phase("setup");
+    let guide = |camera: &Camera| GuideOracle::render(&mesh, camera, &lights, args.size.width, args.size.height);
+    let guides: [Guide; 2] = [guide(&cameras[0])?, guide(&cameras[1])?];
+    let motion = Motion::between([&cameras[0], &cameras[1]], [&guides[0], &guides[1]])?;
+    let meter = Meter::new(&args.meter, &device)?;
+    let other = |block_size| Meter::new(&MeterFlags { block_size, ..args.meter.clone() }, &device);
+    let meters = PLOTTED.into_iter().map(other).collect::<Result<_>>()?;
+    let stage = Stage { args, mesh: &mesh, lights, cameras, motion, meter, meters };
+    let mut outputs = Outputs::default();
+    let (width, height) = args.size.pair();
+    outputs.add(args.output.join("motion.png"), png16(width, height, &stage.motion.to_rgb16())?);
+    let mut measured = Vec::new();
+    let names: Vec<String> = strips.iter().map(|(name, _)| stem(name)).collect();
+    let pictures = strips.iter().map(|(_, strip)| png(over_rgba(strip)?)).collect::<Result<Vec<_>>>()?;
+    for (number, (name, strip)) in strips.into_iter().enumerate() {
+        let source = picture_of(&strip)?;
+        let paints = Paints::single(strip, PathBuf::from(name), &mesh);
+        for technique in TECHNIQUES {
+            measured.push(stage.measure(session, &mut device, &mut outputs, &paints, &source, number, technique)?);
+        }
+    }
+    // One scale for all maps.
+    let top = measured.iter().map(|one: &Measured| one.map.top()).fold(0.0, f32::max);
+    let mut maps = Vec::with_capacity(measured.len());
+    for one in &measured {
+        let map = png(one.map.clone().with_top(top).picture())?;
+        let name = format!("{}_map.png", file_name(one.paint, one.technique));
+        outputs.add(args.output.join(name), map.clone());
+        maps.push(map);
+    }
+    let report = Report {
+        model: &model,
+        turn_deg: args.turn,
+        paints: &names,
+        strips: &pictures,
+        measured: &measured,
+        maps: &maps,
+    };
+    let parameters = session.parameters_json();
+    let device_info = session.device_json();
+    outputs.add(args.output.join("figures.csv"), compare_page::csv(&report));
+    outputs.add(args.output.join("figures.json"), compare_page::json(&report, &device_info, &parameters));
+    let page = compare_page::html(&report, &device_info, &parameters)?;
+    outputs.add(args.output.join("index.html"), page);
+    session.take_times(&mut device.runner);
+    session.attach("findings", compare_page::findings_json(&report));
+    session.result("figures", compare_page::figures_json(&report), compare_page::text(&report));
+    session.wrote(outputs.commit()?);
+    session.phase("write");
+    session.closing_line(format!("open {}", args.output.join("index.html").display()));
+    Ok(())
+}
+
+impl CompareArgs {
+    fn strips(&self, session: &mut Session) -> Result<Vec<(String, Strip)>> {
+        let mut samples = Vec::new();
+        for path in &self.paints {
+            let sample = PaintSample::load(path).map_err(|error| Failure::new(format!("--paint: {error}")))?;
+            samples.push((path.display().to_string(), sample));
+        }
+        if samples.is_empty() {
+            for name in STRIPS {
+                let bytes = builtin(name).map(|file| file.bytes).unwrap_or_default();
+                samples.push((name.to_owned(), PaintSample::decode(bytes, Path::new(name))?));
+            }
+        }
+        let separate = |(name, sample): (String, PaintSample)| {
+            let strip = self.strip.separate(sample, &name, session)?;
+            Ok((name, strip))
+        };
+        samples.into_iter().map(separate).collect()
+    }
+}
+
+impl Stage<'_> {
+    #[allow(clippy::too_many_arguments)] // the command's own, and the paint
+    fn measure(
+        &self,
+        session: &mut Session,
+        device: &mut Device,
+        outputs: &mut Outputs,
+        paints: &Paints,
+        strip: &Picture,
+        paint: usize,
+        technique: TechniqueName,
+    ) -> Result<Measured> {
+        let args = self.args;
+        let mut flags = args.technique.clone();
+        flags.technique = technique;
+        let chosen = flags.choose(&args.quilting, self.mesh, None)?;
+        let scene = Scene { mesh: self.mesh, camera: self.cameras[0], lights: self.lights.clone(), size: args.size };
+        let started = Instant::now();
+        let mut painter = Painter::new(session, device, &scene, paints, &chosen)?;
+        let first = painter.frame(device, Show::Painted)?;
+        let prepared = started.elapsed();
+        let shades = painter.shades(device)?;
+        if paint == 0 && technique == TechniqueName::Image {
+            outputs.add(args.output.join("shade.png"), gray_png(painter.shade(device)?)?);
+        }
+        painter.look(session, device, self.cameras[1], 1)?;
+        let second = painter.frame(device, Show::Painted)?;
+        session.phase("paint");
+        let (frame, next) = (measured_picture(&first)?, measured_picture(&second)?);
+
+        let mut figures = Figures::default();
+        let pixels = args.meter.pixels(&frame, |_, _| true)?;
+        let source = self.meter.source(device, strip)?;
+        let nearest = self.meter.nearest(session, device, &source, &frame, &pixels)?;
+        figures.score("similarity", &similarity(&nearest));
+        let shade = |&(x, y): &(u32, u32)| f64::from(shades[(y * args.size.width + x) as usize]);
+        let wanted: Vec<f64> = pixels.iter().map(shade).collect();
+        shading_figures(&mut figures, &shading_error(&nearest, strip.width(), &wanted));
+        let in_next = Eligible::new(&next, args.meter.block_size);
+        let still = |x: u32, y: u32| in_next.contains(x, y).then_some((x, y));
+        let moved = |x: u32, y: u32| self.motion.pixel(x, y).filter(|&(x, y)| in_next.contains(x, y));
+        let mut calm = |to: &dyn Fn(u32, u32) -> Option<(u32, u32)>| {
+            let pixels = args.meter.pixels(&frame, |x, y| to(x, y).is_some())?;
+            let there: Vec<(u32, u32)> = pixels.iter().filter_map(|&(x, y)| to(x, y)).collect();
+            let (a, b) = (self.meter.features(device, &frame, &pixels)?, self.meter.features(device, &next, &there)?);
+            Ok::<_, Failure>(coherence(&a, &b, args.meter.block_size))
+        };
+        figures.score("coherence_image_space", &calm(&still)?);
+        figures.score("coherence_object_space", &calm(&moved)?);
+        figures.textures(strip, &frame)?;
+        figures.number("flip", flip(&frame, &next, &FlipParams::default())?.mean);
+        figures.number("first_frame_seconds", prepared.as_secs_f64());
+
+        let mut by_block = Vec::new();
+        for (block_px, meter) in PLOTTED.into_iter().zip(&self.meters) {
+            let pixels = MeterFlags { block_size: block_px, ..args.meter.clone() }.pixels(&frame, |_, _| true)?;
+            let source = meter.source(device, strip)?;
+            by_block.push((block_px, similarity(&meter.nearest(session, device, &source, &frame, &pixels)?)));
+        }
+        let grid = Grid::new(&frame, args.meter.block_size, None, |_, _| true);
+        let nearest = self.meter.nearest(session, device, &source, &frame, grid.pixels())?;
+        let map = grid.map(&similarity(&nearest))?;
+        session.phase("measure");
+
+        let name = file_name(paint, technique);
+        let bytes = png(first.clone())?;
+        outputs.add(args.output.join(format!("{name}.png")), bytes);
+        outputs.add(args.output.join(format!("{name}_next.png")), png(second)?);
+        let frame = png(over(first, [255; 3]))?;
+        Ok(Measured { paint, technique, figures, by_block, frame, map })
+    }
+}
+
+fn file_name(paint: usize, technique: TechniqueName) -> String {
+    format!("{}_{}", paint + 1, compare_page::word(technique))
+}
+
+fn builtin_model() -> Result<Mesh> {
+    let bytes = builtin(MODEL).map(|file| file.bytes).unwrap_or_default();
+    Ok(Mesh::parse(bytes, MODEL, &MeshOptions::default())?.mesh)
+}
+
+/// The camera, turned around the upward line through what it looks at.
+fn turned(camera: &Camera, degrees: f32, mesh: &Mesh) -> Result<Camera> {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let (axis, from) = (camera.up().normalize(), camera.eye() - camera.target());
+    let along = axis * axis.dot(from);
+    let across: Vec3 = from - along;
+    let eye = camera.target() + along + cos * across + sin * axis.cross(across);
+    Ok(Camera::look_at(eye, camera.target(), Some(camera.up()), camera.fov_y_deg())?.fit_depth(mesh))
+}
+
+fn picture_of(strip: &Strip) -> Result<Picture> {
+    Ok(Picture::new(strip.sample.width(), strip.sample.height(), strip.sample.to_rgba8())?)
+}
+
+fn over_rgba(strip: &Strip) -> Result<RgbaImage> {
+    super::picture::from_texels(strip.sample.to_rgba8().into_flattened(), (strip.sample.width(), strip.sample.height()))
+}
+
+fn measured_picture(frame: &RgbaImage) -> Result<Picture> {
+    Ok(Picture::new(frame.width(), frame.height(), frame.pixels().map(|pixel| pixel.0).collect())?)
+}
+
+/// A file's name without folder and extension.
+fn stem(name: &str) -> String {
+    let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+    stem.trim_start_matches("strip_").replace('_', " ")
+}
