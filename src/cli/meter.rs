@@ -18,17 +18,13 @@ const MAP_CELLS: u32 = 64;
 #[derive(Args, Debug, Clone)]
 pub struct MeterFlags {
     /// Side of the blocks that are compared, 4 to 12 pixels
-    #[arg(long, value_name = "PX", default_value_t = 8, allow_negative_numbers = true, help_heading = "Measuring")]
+    #[arg(long, value_name = "PX", default_value_t = 8, value_parser = clap::value_parser!(u32).range(4..=12),
+          allow_negative_numbers = true, help_heading = "Measuring")]
     pub block_size: u32,
     /// How many of the nearest pixels of the strip are averaged, 1 to 32
-    #[arg(
-        long = "nearest",
-        value_name = "N",
-        default_value_t = 10,
-        allow_negative_numbers = true,
-        help_heading = "Measuring"
-    )]
-    pub k: u32,
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=32),
+          allow_negative_numbers = true, help_heading = "Measuring")]
+    pub nearest: u32,
     /// How many pixels are tested, at random among those whose block lies inside the object
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=1_000_000),
           allow_negative_numbers = true, help_heading = "Measuring")]
@@ -61,7 +57,7 @@ impl MeterFlags {
     /// Adds the flags to the report.
     pub fn report(&self, session: &mut Session) {
         session.parameter("block_size", self.block_size);
-        session.parameter("nearest", self.k);
+        session.parameter("nearest", self.nearest);
         session.parameter("samples", self.samples);
         session.parameter("sample_seed", self.sample_seed);
         session.parameter("search", format!("{:?}", self.search).to_lowercase());
@@ -84,7 +80,7 @@ impl MeterFlags {
 impl Meter {
     /// Makes ready to measure.
     pub fn new(flags: &MeterFlags, device: &Device) -> Result<Self> {
-        let search = BlockSearch::new(&device.context, flags.k)?;
+        let search = BlockSearch::new(&device.context, flags.nearest)?;
         Ok(Meter { flags: flags.clone(), search })
     }
 

@@ -68,7 +68,9 @@ impl Motion {
             let there = (ny * width + nx) as usize;
             let visible = second.id[there] == id
                 && point(&from_second, nx, ny, second.depth[there]).distance(here) <= SAME_PX * pixel(here);
-            visible.then(|| [(place.x - f64::from(x)) as f32, (place.y - f64::from(y)) as f32])
+            // As a file has it, so that measuring with the file gives the same.
+            let steps = |way: f64| ((way * STEPS).round() / STEPS) as f32;
+            visible.then(|| [steps(place.x - f64::from(x)), steps(place.y - f64::from(y))])
         };
         let way = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| way(x, y)).collect();
         Ok(Motion { width, height, way })

@@ -6,6 +6,7 @@ mod common;
 mod bad;
 mod demo;
 mod good;
+mod measure;
 mod odd;
 mod render;
 mod support;

@@ -5,6 +5,7 @@ mod common;
 #[cfg(feature = "cli")]
 mod flip;
 mod modern;
+mod motion;
 mod search;
 
 use common::{noise, Validated};

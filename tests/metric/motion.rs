@@ -1,0 +1,92 @@
+//! Motion between two cameras, by values worked by hand.
+
+use impasto::metric::{Motion, Picture, Shades};
+use impasto::scene::{Camera, GuideOracle, Lights, Mesh, MeshOptions, Vec3};
+
+const SIDE: u32 = 64;
+
+/// A camera 5 before the plane z = 0, moved to the right; it sees 64 pixels over 2 * 5 * tan(45 / 2 degrees).
+fn camera(right: f32, mesh: &Mesh) -> Camera {
+    let (eye, target) = (Vec3::new(right, 0.0, 5.0), Vec3::new(right, 0.0, 0.0));
+    Camera::look_at(eye, target, None, 45.0).expect("a camera").fit_depth(mesh)
+}
+
+/// A large wall, and a small board 2 before its middle.
+fn wall_and_board() -> Mesh {
+    let text = "o wall\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n\
+                o board\nv -0.5 -0.5 2\nv 0.5 -0.5 2\nv 0.5 0.5 2\nv -0.5 0.5 2\nf 5 6 7 8\n";
+    Mesh::parse(text.as_bytes(), "scene", &MeshOptions::default()).expect("a mesh").mesh
+}
+
+#[test]
+fn what_stands_nearer_moves_further_and_hides_what_is_behind_it() {
+    let mesh = wall_and_board();
+    let cameras = [camera(0.0, &mesh), camera(0.5, &mesh)];
+    let guides = cameras
+        .each_ref()
+        .map(|camera| GuideOracle::render(&mesh, camera, &Lights::default(), SIDE, SIDE).expect("a guide"));
+    let motion = Motion::between([&cameras[0], &cameras[1]], [&guides[0], &guides[1]]).expect("a motion");
+    assert_eq!(motion.size(), (SIDE, SIDE));
+    // Pixels to a unit of the world at a distance.
+    let scale = |distance: f64| f64::from(SIDE) / (2.0 * distance * (22.5_f64).to_radians().tan());
+    let way = |distance: f64| -(0.5 * scale(distance)).round() as i64;
+    let (wall, board) = (way(5.0), way(3.0));
+    assert!(board < wall && wall < 0);
+    let mut hidden = 0;
+    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+        let id = guides[0].id[(y * SIDE + x) as usize];
+        let expected = i64::from(x) + if id == 1 { wall } else { board };
+        match motion.pixel(x, y) {
+            Some((tx, ty)) => {
+                // The way is not a whole number of pixels, so that rounding may go either way.
+                assert!(ty == y && (i64::from(tx) - expected).abs() <= 1, "{x}, {y}: {tx}, {ty}");
+                assert_eq!(guides[1].id[(ty * SIDE + tx) as usize], id);
+            }
+            None if expected < 1 => {}
+            None => {
+                // What the board hides now stands to its left, where the board moves over the wall.
+                let there = guides[1].id[(y * SIDE + expected as u32) as usize];
+                assert!(id != there || guides[1].id[(y * SIDE + expected as u32 - 1) as usize] != id, "{x}, {y}");
+                hidden += 1;
+            }
+        }
+    }
+    assert!(hidden > 20, "{hidden}");
+    assert_eq!(motion.pixel(SIDE, 0), None);
+    let still = Motion::between([&cameras[0], &cameras[0]], [&guides[0], &guides[0]]).expect("a motion");
+    assert!((0..SIDE).all(|x| still.pixel(x, 20) == Some((x, 20))));
+    let small = GuideOracle::render(&mesh, &cameras[1], &Lights::default(), 9, 9).expect("a guide");
+    assert!(Motion::between([&cameras[0], &cameras[1]], [&guides[0], &small]).is_err());
+    file_gives_the_same(&motion);
+}
+
+fn file_gives_the_same(motion: &Motion) {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("motion.png");
+    let pixels: Vec<u16> = motion.to_rgb16().into_flattened();
+    let picture: image::ImageBuffer<image::Rgb<u16>, _> =
+        image::ImageBuffer::from_raw(SIDE, SIDE, pixels).expect("a picture");
+    picture.save(&path).expect("saved");
+    assert_eq!(&Motion::load(&path).expect("a motion"), motion);
+    std::fs::write(&path, "text").expect("written");
+    assert!(Motion::load(&path).expect_err("refused").to_string().contains("motion.png"));
+}
+
+#[test]
+fn shades_and_masks_are_read() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("shade.png");
+    let shade = image::ImageBuffer::from_fn(4, 2, |x, y| image::Luma([(x * 10_000 + y) as u16]));
+    shade.save(&path).expect("saved");
+    let shades = Shades::load(&path).expect("shades");
+    assert_eq!(shades.size(), (4, 2));
+    assert!((shades.at(3, 1) - 30_001.0 / 65_535.0).abs() < 1e-12);
+    assert_eq!((shades.at(4, 0), shades.at(0, 2)), (0.0, 0.0));
+
+    let frame = Picture::new(2, 1, vec![[9, 9, 9, 255]; 2]).expect("a picture");
+    let mask = Picture::new(2, 1, vec![[0, 127, 255, 255], [0, 128, 0, 255]]).expect("a mask");
+    let masked = frame.clone().masked(&mask).expect("masked");
+    assert!(!masked.is_inside(0, 0) && masked.is_inside(1, 0));
+    let other = Picture::new(1, 1, vec![[255; 4]]).expect("a mask");
+    assert!(frame.masked(&other).expect_err("refused").to_string().contains("mask is 1 x 1"));
+}
