@@ -38,7 +38,8 @@ caption { text-align: left; padding: 0 0 0.3rem; }
 th, td { padding: 0.25rem 0.8rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
 thead th { border-bottom: 2px solid var(--faint); vertical-align: bottom; }
 tbody th { font-weight: normal; }
-.number { text-align: right; }
+.number { text-align: right; overflow-wrap: normal; }
+td.number { white-space: nowrap; }
 dl { display: grid; grid-template-columns: fit-content(40%) minmax(0, 1fr); gap: 0.2rem 1.2rem; margin: 0.3rem 0 1rem; }
 dt { color: var(--faint); }
 dd { margin: 0; }
