@@ -11,8 +11,8 @@ use super::painter::{Painter, Scene};
 use super::paints::Paints;
 use super::picture::{gray_png, over, png, png16};
 use super::quilting::Quilting;
-use super::render::load_model;
 use super::session::{Device, Session};
+use super::shot::load_model;
 use super::strips::{Strip, StripFlags};
 use super::techniques::{TechniqueFlags, TechniqueName};
 use super::values::{finite, Size};
@@ -23,7 +23,7 @@ use impasto::metric::{
     check_block, coherence, flip, shading_error, similarity, Eligible, FlipParams, Motion, Picture, BLOCK_PX,
 };
 use impasto::paint::PaintSample;
-use impasto::scene::{Camera, Guide, GuideOracle, Lights, Mesh, MeshOptions, Vec3};
+use impasto::scene::{Camera, Guide, GuideOracle, Lights, Mesh, MeshOptions};
 use impasto::technique::Show;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -100,7 +100,7 @@ pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
         None => (MODEL.to_owned(), builtin_model()?),
     };
     let camera = args.view.camera(&mesh, args.size.aspect())?;
-    let cameras = [camera, turned(&camera, args.turn, &mesh)?];
+    let cameras = [camera, camera.orbited(args.turn)?.fit_depth(&mesh)];
     let strips = args.strips(session)?;
     for (name, strip) in &strips {
         let size = (strip.sample.width(), strip.sample.height());
@@ -217,7 +217,7 @@ impl Stage<'_> {
         if paint == 0 && technique == TechniqueName::Image {
             outputs.add(args.output.join("shade.png"), gray_png(painter.shade(device)?)?);
         }
-        painter.look(session, device, self.cameras[1], 1)?;
+        painter.advance(session, device, (self.cameras[1], self.lights.clone()), 1)?;
         let second = painter.frame(device, Show::Painted)?;
         session.phase("paint");
         let (frame, next) = (measured_picture(&first)?, measured_picture(&second)?);
@@ -272,16 +272,6 @@ fn file_name(paint: usize, technique: TechniqueName) -> String {
 fn builtin_model() -> Result<Mesh> {
     let bytes = builtin(MODEL).map(|file| file.bytes).unwrap_or_default();
     Ok(Mesh::parse(bytes, MODEL, &MeshOptions::default())?.mesh)
-}
-
-/// The camera, turned around the upward line through what it looks at.
-fn turned(camera: &Camera, degrees: f32, mesh: &Mesh) -> Result<Camera> {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    let (axis, from) = (camera.up().normalize(), camera.eye() - camera.target());
-    let along = axis * axis.dot(from);
-    let across: Vec3 = from - along;
-    let eye = camera.target() + along + cos * across + sin * axis.cross(across);
-    Ok(Camera::look_at(eye, camera.target(), Some(camera.up()), camera.fov_y_deg())?.fit_depth(mesh))
 }
 
 fn picture_of(strip: &Strip) -> Result<Picture> {

@@ -7,6 +7,7 @@
 //! clap -> Cli -> command::run(args, &mut Session) -> Outputs::commit -> Session::close (report)
 //! ```
 
+mod animate;
 mod blocks;
 mod builtin;
 mod compare;
@@ -17,8 +18,10 @@ mod devices;
 mod error_map;
 mod failure;
 mod files;
+mod film;
 mod measure;
 mod meter;
+mod motion;
 mod paint;
 mod painter;
 mod paints;
@@ -32,6 +35,7 @@ mod render;
 mod report;
 mod report_page;
 mod session;
+mod shot;
 mod strips;
 mod table;
 mod techniques;
@@ -71,6 +75,8 @@ enum Command {
     Prepare(prepare::PrepareArgs),
     /// Shade a model with paint
     Render(Box<render::RenderArgs>),
+    /// Shade a model with paint, frame after frame
+    Animate(Box<animate::AnimateArgs>),
     /// Measure how good a picture is, and how calm a sequence
     Measure(measure::MeasureArgs),
     /// Paint a model with every technique, still and moving, measure them all alike, and write one report
@@ -115,6 +121,7 @@ impl Command {
             Command::Tile(_) => "tile",
             Command::Prepare(_) => "prepare",
             Command::Render(_) => "render",
+            Command::Animate(_) => "animate",
             Command::Measure(_) => "measure",
             Command::Compare(_) => "compare",
             Command::Demo(_) => "demo",
@@ -129,6 +136,7 @@ impl Command {
             Command::Tile(args) => tile::run(args, session),
             Command::Prepare(args) => prepare::run(args, session),
             Command::Render(args) => render::run(args, session),
+            Command::Animate(args) => animate::run(args, session),
             Command::Measure(args) => measure::run(args, session),
             Command::Compare(args) => compare::run(args, session),
             Command::Demo(args) => demo::run(args, session),

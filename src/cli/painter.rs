@@ -30,6 +30,7 @@ pub struct Scene<'a> {
 pub struct Painter<'a> {
     scene: &'a Scene<'a>,
     camera: Camera,
+    lights: Lights,
     guides: GuidePass,
     technique: Prepared,
     range: ShadeRange,
@@ -128,14 +129,20 @@ impl<'a> Painter<'a> {
                 Prepared::Dependent(Box::new(technique), covered.report)
             }
         };
-        Ok(Painter { scene, camera: scene.camera, guides, technique, range, seed })
+        Ok(Painter { scene, camera: scene.camera, lights: scene.lights.clone(), guides, technique, range, seed })
     }
 
-    /// Looks through another camera: draws the guides, and synthesises anew what is synthesised for every frame, as frame
-    /// `number`. The range of shade stays.
-    pub fn look(&mut self, session: &Session, device: &mut Device, camera: Camera, number: u32) -> Result {
-        self.camera = camera;
-        device.runner.run(|recorder| self.guides.record(recorder, &camera, &self.scene.lights))?;
+    /// Goes on to frame `number`, with another camera and other lights: draws the guides, and synthesises anew what is
+    /// synthesised for every frame. The range of shade stays.
+    pub fn advance(
+        &mut self,
+        session: &Session,
+        device: &mut Device,
+        (camera, lights): (Camera, Lights),
+        number: u32,
+    ) -> Result {
+        (self.camera, self.lights) = (camera, lights);
+        device.runner.run(|recorder| self.guides.record(recorder, &self.camera, &self.lights))?;
         if let Prepared::Image(technique) = &self.technique {
             synthesise(session, device, technique, self.seed, number)?;
         }
@@ -144,8 +151,7 @@ impl<'a> Painter<'a> {
 
     /// The frame: painted, its colour alone, or its texture alone.
     pub fn frame(&self, device: &mut Device, show: Show) -> Result<RgbaImage> {
-        let Scene { lights, size, .. } = self.scene;
-        let camera = &self.camera;
+        let (camera, lights, size) = (&self.camera, &self.lights, self.scene.size);
         device.runner.run(|recorder| match &self.technique {
             Prepared::Image(technique) => {
                 technique.record_recombine(recorder, show);
@@ -233,13 +239,16 @@ impl<'a> Painter<'a> {
 /// Synthesises a frame with a progress bar.
 fn synthesise(session: &Session, device: &mut Device, technique: &ImageTechnique, seed: u32, number: u32) -> Result {
     let parts = technique.parts(PART_COMPARISONS);
-    let progress = session.progress("painting", parts.len());
+    // Further frames are quick steps of a bar that others show.
+    let progress = (number == 0).then(|| session.progress("painting", parts.len()));
     for part in parts {
         device.runner.run(|recorder| {
             technique.record_part(recorder, &part, seed, number);
             Ok(())
         })?;
-        progress.step();
+        if let Some(progress) = &progress {
+            progress.step();
+        }
     }
     Ok(())
 }

@@ -4,18 +4,14 @@ use super::blocks;
 use super::failure::Result;
 use super::files::{check_apart, check_file, check_folder, Outputs};
 use super::painter::{Painter, Scene};
-use super::paints::{PaintFlags, Paints};
+use super::paints::Paints;
 use super::picture::{encode, format_of, gray_png, over, png};
 use super::quilting::Quilting;
 use super::session::{Device, Session};
+use super::shot::ShotFlags;
 use super::strips::trajectory_picture;
-use super::techniques::{TechniqueFlags, TechniqueName};
-use super::values::{color, Size};
-use super::view::ViewFlags;
 use clap::Args;
-use impasto::scene::{Mesh, MeshOptions};
 use impasto::technique::dependent::CoverageReport;
-use impasto::technique::image::ImageParams;
 use impasto::technique::Show;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -23,26 +19,11 @@ use std::path::{Path, PathBuf};
 /// Flags of `impasto render`.
 #[derive(Args, Debug)]
 pub struct RenderArgs {
-    /// Wavefront OBJ model
-    #[arg(value_name = "MODEL.obj")]
-    model: PathBuf,
     /// Picture to write: .png, .bmp or .tiff with a transparent background, or .jpg
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
-    /// Its size in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", allow_hyphen_values = true)]
-    size: Size,
     #[command(flatten)]
-    paints: PaintFlags,
-    #[command(flatten)]
-    quilting: Quilting,
-    #[command(flatten)]
-    technique: TechniqueFlags,
-    #[command(flatten)]
-    view: ViewFlags,
-    /// Colour behind the model, like #ffffff [default: transparent]
-    #[arg(long, value_name = "COLOR", value_parser = color)]
-    background: Option<[u8; 3]>,
+    shot: ShotFlags,
     /// Folder for the intermediates: shade.png, id.png, color.png, texture.png, trajectory.png, trajectory.csv, with the
     /// technique image blocks.json, and with dependent coverage.json; those of a second paint are trajectory_2.png and so
     /// on
@@ -58,48 +39,26 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
         check_folder(dir)?;
         check_apart(&args.output, dir)?;
     }
-    let lights = args.view.lights()?;
-    let mesh = load_model(&args.model, session)?;
-    let camera = args.view.camera(&mesh, args.size.aspect())?;
-    let name = args.technique.technique;
-    let paints = args.paints.load(&mesh, name == TechniqueName::Aligned, session)?;
-    let chosen = args.technique.choose(&args.quilting, &mesh, paints.prepared()?)?;
-    let window = ImageParams { quilt: chosen.quilt, k: chosen.k, levels: chosen.levels };
-    // A k out of range is told before any work.
-    window.window_px(1)?;
-    for (file, strip) in paints.strips() {
-        let size = (strip.sample.width(), strip.sample.height());
-        if name != TechniqueName::Object {
-            args.quilting.check(file, size, args.size, false)?;
-        }
-        if matches!(name, TechniqueName::Image | TechniqueName::Dependent) {
-            warn_of_wide_window(file, size.0, &window, session)?;
-        }
-    }
-    session.parameter("model", args.model.display().to_string());
-    session.parameter("size", args.size.to_string());
-    args.technique.report(session);
-    args.quilting.report(session);
-    args.view.report(&camera, &lights, session);
+    let shot = args.shot.load(session)?;
     session.phase("load");
 
     let mut device = session.open_device()?;
-    device.check_size(args.size)?;
+    device.check_size(args.shot.size)?;
     session.phase("setup");
-    let scene = Scene { mesh: &mesh, camera, lights, size: args.size };
-    let painter = Painter::new(session, &mut device, &scene, &paints, &chosen)?;
+    let scene = Scene { mesh: &shot.mesh, camera: shot.camera, lights: shot.lights, size: args.shot.size };
+    let painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
     session.phase("synthesis");
 
     let mut outputs = Outputs::default();
     let mut frame = painter.frame(&mut device, Show::Painted)?;
-    if let Some(background) = args.background {
+    if let Some(background) = args.shot.background {
         frame = over(frame, background);
     }
     if let Some(report) = painter.coverage() {
         session.attach("coverage", coverage_json(report));
     }
     if let Some(dir) = &args.dump {
-        dump(dir, &args.quilting, &paints, &painter, &mut device, &mut outputs)?;
+        dump(dir, &args.shot.quilting, &shot.paints, &painter, &mut device, &mut outputs)?;
     }
     outputs.add(&args.output, encode(frame, format)?);
     session.take_times(&mut device.runner);
@@ -114,31 +73,6 @@ fn coverage_json(report: &CoverageReport) -> serde_json::Value {
         "views": report.views, "rounds": report.rounds, "slices": report.slices, "faces": report.faces,
         "covered": report.covered, "forced": report.forced,
     })
-}
-
-/// Loads a model and tells what was wrong with it.
-pub fn load_model(path: &Path, session: &mut Session) -> Result<Mesh> {
-    let loaded = Mesh::load(path, &MeshOptions::default())?;
-    for warning in loaded.warnings {
-        session.warn(format!("{}: {warning}", path.display()));
-    }
-    Ok(loaded.mesh)
-}
-
-/// A window that takes in most of the strip brings marks of one shade into another.
-fn warn_of_wide_window(file: &Path, width: u32, params: &ImageParams, session: &mut Session) -> Result {
-    let block = params.quilt.block_px;
-    let positions = (width + 1).saturating_sub(block);
-    let window = params.window_px(width)?.saturating_mul(2).saturating_add(1).min(positions);
-    if window.saturating_mul(2) > width {
-        session.warn(format!(
-            "{}: --k{} with --block {block} searches {window} of the strip's {width} columns, more than half of it, \
-             for every shade; a smaller --k keeps the marks of one shade out of another",
-            file.display(),
-            params.k.map_or_else(|| " left to itself".to_owned(), |k| format!(" {k}"))
-        ));
-    }
-    Ok(())
 }
 
 /// Adds the intermediates to the outputs.

@@ -166,6 +166,11 @@ impl Session {
         Progress::new(what, steps, self.common.quiet)
     }
 
+    /// A bar for frames.
+    pub fn frames(&self, what: &'static str, frames: usize) -> Progress {
+        Progress::frames(what, frames, self.common.quiet)
+    }
+
     /// A parameter for the report.
     pub fn parameter(&mut self, name: &str, value: impl Into<Value>) {
         self.parameters.insert(name.to_owned(), value.into());

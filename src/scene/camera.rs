@@ -91,6 +91,36 @@ impl Camera {
         self
     }
 
+    /// The same camera, moved around what it looks at by `degrees`, to the right for positive ones, about the line that is
+    /// up in the picture. Near and far planes stay.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an angle that is not finite.
+    pub fn orbited(&self, degrees: f32) -> Result<Self> {
+        if !degrees.is_finite() {
+            return Err(Error::parameter("orbit", degrees, "finite"));
+        }
+        let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+        let (axis, from) = (self.up.as_dvec3().normalize(), (self.eye - self.target).as_dvec3());
+        let along = axis * axis.dot(from);
+        let eye = self.target.as_dvec3() + along + cos * (from - along) + sin * axis.cross(from);
+        let moved = Self::look_at(eye.as_vec3(), self.target, Some(self.up), self.fov_y_deg)?;
+        Ok(Self { near: self.near, far: self.far, ..moved })
+    }
+
+    /// The same camera at `factor` times its distance from what it looks at. Near and far planes stay.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a factor that is not above 0, or that leads too far away or too close.
+    pub fn moved_away(&self, factor: f32) -> Result<Self> {
+        if !(factor > 0.0 && factor.is_finite()) {
+            return Err(Error::parameter("distance factor", factor, "above 0 and finite"));
+        }
+        let eye = self.target + factor * (self.eye - self.target);
+        let moved = Self::look_at(eye, self.target, Some(self.up), self.fov_y_deg)?;
+        Ok(Self { near: self.near, far: self.far, ..moved })
+    }
+
     /// Where the camera is.
     pub fn eye(&self) -> Vec3 {
         self.eye

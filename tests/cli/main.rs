@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod animate;
 mod bad;
 mod demo;
 mod good;

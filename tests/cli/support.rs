@@ -52,6 +52,12 @@ impl Place {
         self.run_words(&line.split_whitespace().collect::<Vec<_>>())
     }
 
+    /// The same with a variable of the environment.
+    pub fn run_with(&self, name: &str, value: &str, line: &str) -> Ran {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        self.run_command(Command::new(env!("CARGO_BIN_EXE_impasto")).args(&words).env(name, value), &words)
+    }
+
     pub fn run_words(&self, words: &[&str]) -> Ran {
         self.run_command(Command::new(env!("CARGO_BIN_EXE_impasto")).args(words), words)
     }

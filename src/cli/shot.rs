@@ -1,0 +1,99 @@
+//! What commands that paint a model share: the model, its paint, the technique, the view, and loading and checking them.
+
+use super::failure::Result;
+use super::paints::{PaintFlags, Paints};
+use super::quilting::Quilting;
+use super::session::Session;
+use super::techniques::{Chosen, TechniqueFlags, TechniqueName};
+use super::values::{color, Size};
+use super::view::ViewFlags;
+use clap::Args;
+use impasto::scene::{Camera, Lights, Mesh, MeshOptions};
+use impasto::technique::image::ImageParams;
+use std::path::{Path, PathBuf};
+
+/// A model, painted.
+#[derive(Args, Debug)]
+pub struct ShotFlags {
+    /// Wavefront OBJ model
+    #[arg(value_name = "MODEL.obj")]
+    model: PathBuf,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", allow_hyphen_values = true)]
+    pub size: Size,
+    #[command(flatten)]
+    paints: PaintFlags,
+    #[command(flatten)]
+    pub quilting: Quilting,
+    #[command(flatten)]
+    technique: TechniqueFlags,
+    #[command(flatten)]
+    view: ViewFlags,
+    /// Colour behind the model, like #ffffff [default: transparent]
+    #[arg(long, value_name = "COLOR", value_parser = color)]
+    pub background: Option<[u8; 3]>,
+}
+
+/// All of it, loaded and checked.
+pub struct Shot {
+    pub mesh: Mesh,
+    pub camera: Camera,
+    pub lights: Lights,
+    pub paints: Paints,
+    pub chosen: Chosen,
+}
+
+impl ShotFlags {
+    /// Loads and checks everything, and reports the flags.
+    pub fn load(&self, session: &mut Session) -> Result<Shot> {
+        let lights = self.view.lights()?;
+        let mesh = load_model(&self.model, session)?;
+        let camera = self.view.camera(&mesh, self.size.aspect())?;
+        let name = self.technique.technique;
+        let paints = self.paints.load(&mesh, name == TechniqueName::Aligned, session)?;
+        let chosen = self.technique.choose(&self.quilting, &mesh, paints.prepared()?)?;
+        let window = ImageParams { quilt: chosen.quilt, k: chosen.k, levels: chosen.levels };
+        // A k out of range is told before any work.
+        window.window_px(1)?;
+        for (file, strip) in paints.strips() {
+            let size = (strip.sample.width(), strip.sample.height());
+            if name != TechniqueName::Object {
+                self.quilting.check(file, size, self.size, false)?;
+            }
+            if matches!(name, TechniqueName::Image | TechniqueName::Dependent) {
+                warn_of_wide_window(file, size.0, &window, session)?;
+            }
+        }
+        session.parameter("model", self.model.display().to_string());
+        session.parameter("size", self.size.to_string());
+        self.technique.report(session);
+        self.quilting.report(session);
+        self.view.report(&camera, &lights, session);
+        Ok(Shot { mesh, camera, lights, paints, chosen })
+    }
+}
+
+/// Loads a model and tells what was wrong with it.
+pub fn load_model(path: &Path, session: &mut Session) -> Result<Mesh> {
+    let loaded = Mesh::load(path, &MeshOptions::default())?;
+    for warning in loaded.warnings {
+        session.warn(format!("{}: {warning}", path.display()));
+    }
+    Ok(loaded.mesh)
+}
+
+/// A window that takes in most of the strip brings marks of one shade into another.
+fn warn_of_wide_window(file: &Path, width: u32, params: &ImageParams, session: &mut Session) -> Result {
+    let block = params.quilt.block_px;
+    let positions = (width + 1).saturating_sub(block);
+    let window = params.window_px(width)?.saturating_mul(2).saturating_add(1).min(positions);
+    if window.saturating_mul(2) > width {
+        session.warn(format!(
+            "{}: --k{} with --block {block} searches {window} of the strip's {width} columns, more than half of it, \
+             for every shade; a smaller --k keeps the marks of one shade out of another",
+            file.display(),
+            params.k.map_or_else(|| " left to itself".to_owned(), |k| format!(" {k}"))
+        ));
+    }
+    Ok(())
+}

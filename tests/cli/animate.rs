@@ -1,0 +1,144 @@
+//! animate: frames, parts of them on many machines, going on after an interruption, films.
+
+use crate::support::Place;
+use image::AnimationDecoder;
+use std::fs;
+
+const SCENE: &str = "scene.obj --paint strip.png --paint floor=other.png --size 64x48 --block 16 --overlap 4 --k 1 \
+                     --level-count 4 --level-size 64 --orbit 7 --light-orbit 5 --zoom 0.99 --levels";
+
+fn animate(technique: &str, frames: &str, output: &str) -> String {
+    format!("animate {SCENE} --technique {technique} --frames {frames} -o {output}")
+}
+
+#[test]
+fn parts_made_by_several_processes_are_the_whole() {
+    let place = Place::new();
+    for technique in ["image", "object", "aligned", "dependent"] {
+        let report = place.json(&(animate(technique, "3..9", &format!("{technique}/%02d.png")) + " --validate"));
+        assert_eq!(report["rendered"]["frames"], 7, "{technique}");
+        std::thread::scope(|scope| {
+            for shard in ["0/3", "1/3", "2/3"] {
+                let line = animate(technique, "3..9", &format!("{technique}_parts/%02d.png"));
+                let place = &place;
+                scope.spawn(move || place.ok(&format!("{line} --shard {shard}")));
+            }
+        });
+        let mut frames = Vec::new();
+        for number in 3..=9 {
+            let read = |folder: &str| fs::read(place.path(&format!("{folder}/{number:02}.png"))).expect("a frame");
+            let whole = read(technique);
+            assert!(whole == read(&format!("{technique}_parts")), "{technique}: frame {number}");
+            frames.push(whole);
+        }
+        assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "{technique}: it moves");
+        assert!(!place.path(&format!("{technique}/10.png")).exists());
+    }
+}
+
+#[test]
+fn an_interrupted_run_goes_on_and_leaves_what_is_finished() {
+    let place = Place::new();
+    let line = animate("object", "0..5", "out/f%03d.png");
+    place.ok(&line);
+    let whole = place.files();
+    let path = |number: u32| place.path(&format!("out/f{number:03}.png"));
+    fs::remove_file(path(2)).expect("removed");
+    fs::remove_file(path(5)).expect("removed");
+    // A finished one is not touched, whatever is in it.
+    fs::write(path(0), "mine").expect("written");
+    let report = place.json(&format!("{line} --resume"));
+    assert_eq!(report["rendered"]["frames"], 2);
+    assert_eq!(fs::read(path(0)).expect("a frame"), b"mine");
+    fs::remove_file(path(0)).expect("removed");
+    place.ok(&format!("{line} --resume"));
+    assert!(place.files() == whole, "all of it as if nothing had happened");
+    assert!(place.ok(&format!("{line} --resume")).contains("nothing to do"));
+    let other = animate("aligned", "0..5", "out/f%03d.png") + " --resume";
+    place.fails(&other, 1, &["animation.json", "other parameters"]);
+    place.ok(&animate("aligned", "0..5", "out/f%03d.png"));
+    assert!(place.files() != whole);
+}
+
+#[test]
+fn keyframes_say_where_camera_and_light_are() {
+    let place = Place::new();
+    let keys = r#"{"camera": [{"frame": 0, "orbit": 0}, {"frame": 4, "orbit": 28, "distance": 1}],
+                   "light": [{"frame": 0}, {"frame": 4, "orbit": 20}]}"#;
+    fs::write(place.path("motion.json"), keys).expect("written");
+    let base = "animate scene.obj --paint strip.png --size 64x48 --technique object --frames 0..4";
+    place.ok(&format!("{base} -o keys/%d.png --motion motion.json"));
+    place.ok(&format!("{base} -o flags/%d.png --orbit 7 --light-orbit 5"));
+    for number in 0..=4 {
+        let frame = |folder: &str| place.picture(&format!("{folder}/{number}.png"));
+        assert!(frame("keys") == frame("flags"), "frame {number}");
+    }
+    place.ok("render scene.obj --paint strip.png --size 64x48 --technique object -o still.png");
+    let (still, first) = (place.picture("still.png"), place.picture("keys/0.png"));
+    let off = still.pixels().zip(first.pixels()).filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 2));
+    assert!(off.count() < 30, "the first frame is the still");
+}
+
+#[test]
+fn films_are_whole_or_not_there() {
+    let place = Place::new();
+    place.ok(&(animate("object", "0..3", "film.gif") + " --rate 10"));
+    let file = std::io::BufReader::new(fs::File::open(place.path("film.gif")).expect("a file"));
+    let frames = image::codecs::gif::GifDecoder::new(file).expect("a GIF").into_frames().collect_frames();
+    let frames = frames.expect("frames");
+    assert_eq!((frames.len(), frames[0].delay().numer_denom_ms()), (4, (100, 1)));
+    assert!(frames[0].buffer() != frames[3].buffer());
+
+    // A stand-in for ffmpeg that keeps what it is sent, and one that fails.
+    let program = |folder: &str, body: &str| {
+        fs::create_dir(place.path(folder)).expect("a folder");
+        let path = place.path(folder).join("ffmpeg");
+        fs::write(&path, format!("#!/bin/sh\n[ \"$1\" = -version ] && exit 0\n{body}\n")).expect("written");
+        let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+        fs::set_permissions(&path, executable).expect("executable");
+        format!("{}:/usr/bin:/bin", place.path(folder).display())
+    };
+    let good = program("good", "for last; do :; done; cat >\"$last\"");
+    let bad = program("bad", "echo no such codec >&2; exit 3");
+    let film = animate("object", "0..3", "film.mp4");
+    let run = |path: String| place.run_with("PATH", &path, &film);
+    assert_eq!(run(good).code, Some(0));
+    assert_eq!(fs::metadata(place.path("film.mp4")).expect("a film").len(), 4 * 64 * 48 * 4);
+    let before = place.files();
+    let failed = run(bad);
+    assert!(failed.code == Some(1) && failed.stderr.contains("film.mp4: ffmpeg: no such codec"), "{}", failed.stderr);
+    let missing = run("/nowhere".to_owned());
+    assert!(missing.code == Some(1) && missing.stderr.contains("takes the program ffmpeg"), "{}", missing.stderr);
+    assert!(place.files() == before, "the old film is still there, and nothing else");
+}
+
+#[test]
+fn what_cannot_be_animated_is_told() {
+    let place = Place::new();
+    fs::write(place.path("falling.json"), r#"{"camera": [{"frame": 5}, {"frame": 5}]}"#).expect("written");
+    fs::write(place.path("unknown.json"), r#"{"camera": [{"frame": 5, "roll": 3}]}"#).expect("written");
+    fs::write(place.path("far.json"), r#"{"camera": [{"frame": 5, "distance": 1e9}]}"#).expect("written");
+    let base = "animate scene.obj --paint strip.png --size 32x32 --technique object";
+    for (flags, code, parts) in [
+        ("-o out.png", 1, vec!["out.png", "%04d", ".gif"]),
+        ("-o out/%x.png", 1, vec!["%04d"]),
+        ("-o out/%04d%d.png", 1, vec!["%04d"]),
+        ("-o out/%04d.pdf", 1, vec![".png"]),
+        ("-o %d.png --frames 9..3", 2, vec!["FIRST..LAST"]),
+        ("-o %d.png --frames 0..1000000", 2, vec!["999999"]),
+        ("-o %d.png --shard 3/3", 2, vec!["I/N"]),
+        ("-o %d.png --rate 0", 2, vec!["--rate"]),
+        ("-o %d.png --zoom 3", 1, vec!["--zoom", "0.5 to 2"]),
+        ("-o out.gif --resume", 1, vec!["out.gif", "--resume"]),
+        ("-o out.gif --shard 0/2", 1, vec!["--shard"]),
+        ("-o strip.png/%d.png", 1, vec!["strip.png"]),
+        ("-o %d.png --motion missing.json", 1, vec!["missing.json"]),
+        ("-o %d.png --motion scene.obj", 1, vec!["scene.obj", "line 1"]),
+        ("-o %d.png --motion falling.json", 1, vec!["falling.json", "camera must rise"]),
+        ("-o %d.png --motion unknown.json", 1, vec!["unknown.json", "roll"]),
+        ("-o %d.png --motion far.json", 1, vec!["far.json", "0.001 to 1000"]),
+        ("-o %d.png --motion far.json --orbit 3", 2, vec!["--orbit"]),
+    ] {
+        place.fails(&format!("{base} {flags}"), code, &parts);
+    }
+}
