@@ -36,6 +36,9 @@ pub struct AnimateArgs {
     /// Leave out the numbered pictures that are there already
     #[arg(long)]
     resume: bool,
+    /// Leave the texture of view-aligned projection still in the picture, instead of letting it follow the model
+    #[arg(long)]
+    still: bool,
     #[command(flatten)]
     motion: MotionFlags,
     #[command(flatten)]
@@ -54,6 +57,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let first = motion.at(args.frames.first, &shot.mesh)?;
     args.motion.report(session);
     session.parameter("frames", args.frames.to_string());
+    session.parameter("still", args.still);
     let background = args.shot.background;
     session.parameter("background", background.map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")));
     // What makes the frames what they are; how they are shared out does not.
@@ -84,8 +88,17 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let mut sink = Sink::open(&target, args.shot.size, &made_by)?;
     let progress = session.frames("animating", numbers.len());
     let mut times = Vec::with_capacity(numbers.len());
+    let mut reached = args.frames.first;
+    let mut camera = scene.camera;
     for &number in &numbers {
         let started = Instant::now();
+        // From the very first frame on, so that every part of a run comes to the same.
+        while !args.still && reached < number {
+            reached += 1;
+            let next = motion.at(reached, &shot.mesh)?.0;
+            painter.follow(&camera, &next)?;
+            camera = next;
+        }
         painter.advance(session, &mut device, motion.at(number, &shot.mesh)?, number)?;
         let frame = painter.frame(&mut device, Show::Painted)?;
         sink.write(number, background.map_or_else(|| frame.clone(), |color| over(frame.clone(), color)))?;

@@ -11,7 +11,7 @@ use impasto::gpu::{Image, Uploads};
 use impasto::scene::{Camera, GuidePass, Lights, Mesh};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
-use impasto::technique::aligned::{AlignedFrame, AlignedTechnique, LevelVolume};
+use impasto::technique::aligned::{screen_displacement, AlignedFrame, AlignedTechnique, LevelVolume};
 use impasto::technique::dependent::{CoverageReport, DependentTechnique, ViewCoverage};
 use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::object::ObjectTechnique;
@@ -145,6 +145,15 @@ impl<'a> Painter<'a> {
         device.runner.run(|recorder| self.guides.record(recorder, &self.camera, &self.lights))?;
         if let Prepared::Image(technique) = &self.technique {
             synthesise(session, device, technique, self.seed, number)?;
+        }
+        Ok(())
+    }
+
+    /// Lets what lies in the plane of the picture follow the model from one camera to the next.
+    pub fn follow(&mut self, from: &Camera, to: &Camera) -> Result {
+        if let Prepared::Aligned(_, frame) = &mut self.technique {
+            let way = screen_displacement(self.scene.mesh, [from, to], self.scene.size.pair())?;
+            frame.offset_px = [frame.offset_px[0] - way[0], frame.offset_px[1] - way[1]];
         }
         Ok(())
     }

@@ -80,6 +80,24 @@ fn keyframes_say_where_camera_and_light_are() {
 }
 
 #[test]
+fn aligned_texture_follows_the_model_unless_it_is_to_stand_still() {
+    let place = Place::new();
+    // The light moves with nothing, so that the texture alone tells.
+    let base = "animate scene.obj --paint strip.png --size 128x96 --technique aligned --level-count 4 --level-size 64 \
+                --block 16 --overlap 4 --orbit 1 --frames 0..4";
+    place.ok(&format!("{base} -o follows/%d.png"));
+    place.ok(&format!("{base} -o still/%d.png --still"));
+    let change = |folder: &str| {
+        let (a, b) = (place.picture(&format!("{folder}/0.png")), place.picture(&format!("{folder}/4.png")));
+        let both = a.pixels().zip(b.pixels()).filter(|(a, b)| a.0[3] == 255 && b.0[3] == 255);
+        both.map(|(a, b)| u32::from(a.0[1].abs_diff(b.0[1]))).sum::<u32>()
+    };
+    let (follows, still) = (change("follows"), change("still"));
+    assert!(follows > still, "what follows changes more at a pixel: {follows} and {still}");
+    assert!(place.picture("follows/0.png") == place.picture("still/0.png"));
+}
+
+#[test]
 fn films_are_whole_or_not_there() {
     let place = Place::new();
     place.ok(&(animate("object", "0..3", "film.gif") + " --rate 10"));

@@ -8,9 +8,11 @@
 //! two textures that know nothing of each other are averaged: the error that the thesis names. [`LevelBlend::Contrast`]
 //! multiplies the blend's deviation from the mean (which is no difference) by what it lost.
 
+mod follow;
 mod level_texture;
 mod levels;
 
+pub use follow::screen_displacement;
 pub use level_texture::LevelTexture;
 pub use levels::{LevelParams, LevelPart, LevelSource, LevelVolume, Tileable};
 
@@ -70,7 +72,7 @@ pub struct AlignedFrame {
     /// they have in the strip, with 2 half of it. Beyond 1 fine marks begin to alias.
     pub density: f32,
     /// Where the texture lies, in pixels of the picture; grows as the texture moves to the left and up. A host lets it
-    /// follow what moves (thesis chapter 7).
+    /// follow what moves ([`screen_displacement`]; thesis chapter 7).
     pub offset_px: [f32; 2],
     /// How levels are blended.
     pub blend: LevelBlend,
