@@ -52,7 +52,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
         return Err(Failure::file(&args.output, "--resume and --shard are for numbered pictures, like DIR/%04d.png"));
     }
     let shot = args.shot.load(session)?;
-    let motion = args.motion.load(shot.camera, shot.lights.clone())?;
+    let motion = args.motion.load(shot.camera, args.shot.view.axis(), shot.lights.clone())?;
     // The range of shade is that of the first frame of all, whatever part of them this is.
     let first = motion.at(args.frames.first, &shot.mesh)?;
     args.motion.report(session);

@@ -6,7 +6,7 @@ use super::error_map::ErrorMap;
 use super::failure::{Failure, Result};
 use super::files::{check_folder, Outputs};
 use super::measure::shading_figures;
-use super::meter::{Figures, Grid, Meter, MeterFlags};
+use super::meter::{check_room, sample_picture, Figures, Grid, Meter, Pair, SearchFlags, Strip as Source, TestFlags};
 use super::painter::{Painter, Scene};
 use super::paints::Paints;
 use super::picture::{gray_png, over, png, png16};
@@ -14,14 +14,12 @@ use super::quilting::Quilting;
 use super::session::{Device, Session};
 use super::shot::load_model;
 use super::strips::{Strip, StripFlags};
-use super::techniques::{TechniqueFlags, TechniqueName};
+use super::techniques::{TechniqueName, TechniqueOptions};
 use super::values::{finite, Size};
 use super::view::ViewFlags;
 use clap::Args;
 use image::RgbaImage;
-use impasto::metric::{
-    check_block, coherence, flip, shading_error, similarity, Eligible, FlipParams, Motion, Picture, BLOCK_PX,
-};
+use impasto::metric::{flip, shading_error, similarity, FlipParams, Motion, Picture, BLOCK_PX};
 use impasto::paint::PaintSample;
 use impasto::scene::{Camera, Guide, GuideOracle, Lights, Mesh, MeshOptions};
 use impasto::technique::Show;
@@ -39,7 +37,6 @@ pub const PLOTTED: [u32; 3] = [4, 8, 12];
 
 /// Flags of `impasto compare`.
 #[derive(Args, Debug)]
-#[command(mut_arg("technique", |arg| arg.hide(true)))]
 pub struct CompareArgs {
     /// Wavefront OBJ model [default: a built-in head]
     #[arg(value_name = "MODEL.obj")]
@@ -57,7 +54,9 @@ pub struct CompareArgs {
     #[arg(long, value_name = "DEGREES", value_parser = finite, default_value_t = 1.0, allow_hyphen_values = true)]
     turn: f32,
     #[command(flatten)]
-    meter: MeterFlags,
+    test: TestFlags,
+    #[command(flatten)]
+    search: SearchFlags,
     #[command(flatten)]
     view: ViewFlags,
     #[command(flatten)]
@@ -65,7 +64,7 @@ pub struct CompareArgs {
     #[command(flatten)]
     quilting: Quilting,
     #[command(flatten)]
-    technique: TechniqueFlags,
+    technique: TechniqueOptions,
 }
 
 /// What all paints are measured with.
@@ -76,8 +75,15 @@ struct Stage<'a> {
     cameras: [Camera; 2],
     motion: Motion,
     meter: Meter,
-    /// For the plot, at other block sizes.
-    meters: Vec<Meter>,
+}
+
+/// A paint, ready to be searched.
+struct Searched {
+    number: usize,
+    picture: Picture,
+    strip: Source,
+    /// At other block sizes, for the plot.
+    plotted: Vec<(u32, Source)>,
 }
 
 /// One technique with one paint.
@@ -100,18 +106,24 @@ pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
         None => (MODEL.to_owned(), builtin_model()?),
     };
     let camera = args.view.camera(&mesh, args.size.aspect())?;
-    let cameras = [camera, camera.orbited(args.turn)?.fit_depth(&mesh)];
+    let cameras = [camera, camera.orbited(args.turn, args.view.axis())?.fit_depth(&mesh)];
     let strips = args.strips(session)?;
     for (name, strip) in &strips {
         let size = (strip.sample.width(), strip.sample.height());
         args.quilting.check(Path::new(name), size, args.size, false)?;
-        check_block(*BLOCK_PX.end(), &picture_of(strip)?)?;
+        check_room(Path::new(name), &sample_picture(&strip.sample)?, *BLOCK_PX.end())?;
     }
+    for technique in TECHNIQUES {
+        args.technique.report(technique, session);
+    }
+    session.parameter("technique", TECHNIQUES.map(compare_page::word).to_vec());
+    args.strip.report(session);
     session.parameter("model", model.clone());
     session.parameter("paint", strips.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>());
     session.parameter("size", args.size.to_string());
     session.parameter("turn", super::report::number(args.turn));
-    args.meter.report(session);
+    args.test.report(session);
+    args.search.report(session);
     args.quilting.report(session);
     args.view.report(&camera, &lights, session);
     session.phase("load");
@@ -122,21 +134,20 @@ pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
     let guide = |camera: &Camera| GuideOracle::render(&mesh, camera, &lights, args.size.width, args.size.height);
     let guides: [Guide; 2] = [guide(&cameras[0])?, guide(&cameras[1])?];
     let motion = Motion::between([&cameras[0], &cameras[1]], [&guides[0], &guides[1]])?;
-    let meter = Meter::new(&args.meter, &device)?;
-    let other = |block_size| Meter::new(&MeterFlags { block_size, ..args.meter.clone() }, &device);
-    let meters = PLOTTED.into_iter().map(other).collect::<Result<_>>()?;
-    let stage = Stage { args, mesh: &mesh, lights, cameras, motion, meter, meters };
+    let meter = Meter::new(&args.search, &device)?;
+    let stage = Stage { args, mesh: &mesh, lights, cameras, motion, meter };
     let mut outputs = Outputs::default();
     let (width, height) = args.size.pair();
     outputs.add(args.output.join("motion.png"), png16(width, height, &stage.motion.to_rgb16())?);
     let mut measured = Vec::new();
-    let names: Vec<String> = strips.iter().map(|(name, _)| stem(name)).collect();
+    let names = names(&strips.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
     let pictures = strips.iter().map(|(_, strip)| png(over_rgba(strip)?)).collect::<Result<Vec<_>>>()?;
     for (number, (name, strip)) in strips.into_iter().enumerate() {
-        let source = picture_of(&strip)?;
-        let paints = Paints::single(strip, PathBuf::from(name), &mesh);
+        let path = PathBuf::from(name);
+        let searched = stage.searched(&mut device, number, &path, sample_picture(&strip.sample)?)?;
+        let paints = Paints::single(strip, path, &mesh);
         for technique in TECHNIQUES {
-            measured.push(stage.measure(session, &mut device, &mut outputs, &paints, &source, number, technique)?);
+            measured.push(stage.measure(session, &mut device, &mut outputs, &paints, &searched, technique)?);
         }
     }
     // One scale for all maps.
@@ -193,28 +204,34 @@ impl CompareArgs {
 }
 
 impl Stage<'_> {
-    #[allow(clippy::too_many_arguments)] // the command's own, and the paint
+    fn searched(&self, device: &mut Device, number: usize, path: &Path, picture: Picture) -> Result<Searched> {
+        let block_px = self.args.test.block_size;
+        let strip = self.meter.strip(device, path, &picture, block_px)?;
+        let mut plotted = Vec::new();
+        for other in PLOTTED.into_iter().filter(|other| *other != block_px) {
+            plotted.push((other, self.meter.strip(device, path, &picture, other)?));
+        }
+        Ok(Searched { number, picture, strip, plotted })
+    }
+
     fn measure(
         &self,
         session: &mut Session,
         device: &mut Device,
         outputs: &mut Outputs,
         paints: &Paints,
-        strip: &Picture,
-        paint: usize,
+        paint: &Searched,
         technique: TechniqueName,
     ) -> Result<Measured> {
         let args = self.args;
-        let mut flags = args.technique.clone();
-        flags.technique = technique;
-        let chosen = flags.choose(&args.quilting, self.mesh, None)?;
+        let chosen = args.technique.choose(technique, &args.quilting, self.mesh, None)?;
         let scene = Scene { mesh: self.mesh, camera: self.cameras[0], lights: self.lights.clone(), size: args.size };
         let started = Instant::now();
         let mut painter = Painter::new(session, device, &scene, paints, &chosen)?;
         let first = painter.frame(device, Show::Painted)?;
         let prepared = started.elapsed();
         let shades = painter.shades(device)?;
-        if paint == 0 && technique == TechniqueName::Image {
+        if paint.number == 0 && technique == TechniqueName::Image {
             outputs.add(args.output.join("shade.png"), gray_png(painter.shade(device)?)?);
         }
         painter.advance(session, device, (self.cameras[1], self.lights.clone()), 1)?;
@@ -223,45 +240,42 @@ impl Stage<'_> {
         let (frame, next) = (measured_picture(&first)?, measured_picture(&second)?);
 
         let mut figures = Figures::default();
-        let pixels = args.meter.pixels(&frame, |_, _| true)?;
-        let source = self.meter.source(device, strip)?;
-        let nearest = self.meter.nearest(session, device, &source, &frame, &pixels)?;
-        figures.score("similarity", &similarity(&nearest));
+        let block_px = args.test.block_size;
+        let pixels = args.test.pixels(&frame, "", |_, _| true)?;
+        let nearest = self.meter.nearest(session, device, &paint.strip, &frame, &pixels)?;
+        let values = similarity(&nearest);
+        figures.score("similarity", &values);
         let shade = |&(x, y): &(u32, u32)| f64::from(shades[(y * args.size.width + x) as usize]);
         let wanted: Vec<f64> = pixels.iter().map(shade).collect();
-        shading_figures(&mut figures, &shading_error(&nearest, strip.width(), &wanted));
-        let in_next = Eligible::new(&next, args.meter.block_size);
-        let still = |x: u32, y: u32| in_next.contains(x, y).then_some((x, y));
-        let moved = |x: u32, y: u32| self.motion.pixel(x, y).filter(|&(x, y)| in_next.contains(x, y));
-        let mut calm = |to: &dyn Fn(u32, u32) -> Option<(u32, u32)>| {
-            let pixels = args.meter.pixels(&frame, |x, y| to(x, y).is_some())?;
-            let there: Vec<(u32, u32)> = pixels.iter().filter_map(|&(x, y)| to(x, y)).collect();
-            let (a, b) = (self.meter.features(device, &frame, &pixels)?, self.meter.features(device, &next, &there)?);
-            Ok::<_, Failure>(coherence(&a, &b, args.meter.block_size))
-        };
-        figures.score("coherence_image_space", &calm(&still)?);
-        figures.score("coherence_object_space", &calm(&moved)?);
-        figures.textures(strip, &frame)?;
+        shading_figures(&mut figures, &shading_error(&nearest, paint.strip.width(), &wanted));
+        let pair = Pair::new(&frame, &next, block_px);
+        let motion = Some(&self.motion);
+        for (name, motion) in [("coherence_image_space", None), ("coherence_object_space", motion)] {
+            let pixels = args.test.pixels(&frame, " of both frames", |x, y| pair.place(motion, x, y).is_some())?;
+            figures.score(name, &pair.coherence(&self.meter, device, motion, &pixels)?);
+        }
+        figures.textures(&paint.picture, &frame, session);
         figures.number("flip", flip(&frame, &next, &FlipParams::default())?.mean);
         figures.number("first_frame_seconds", prepared.as_secs_f64());
 
-        let mut by_block = Vec::new();
-        for (block_px, meter) in PLOTTED.into_iter().zip(&self.meters) {
-            let pixels = MeterFlags { block_size: block_px, ..args.meter.clone() }.pixels(&frame, |_, _| true)?;
-            let source = meter.source(device, strip)?;
-            by_block.push((block_px, similarity(&meter.nearest(session, device, &source, &frame, &pixels)?)));
+        let mut by_block = vec![(block_px, values)];
+        for (other, strip) in &paint.plotted {
+            let test = TestFlags { block_size: *other, ..args.test.clone() };
+            let pixels = test.pixels(&frame, "", |_, _| true)?;
+            by_block.push((*other, similarity(&self.meter.nearest(session, device, strip, &frame, &pixels)?)));
         }
-        let grid = Grid::new(&frame, args.meter.block_size, None, |_, _| true);
-        let nearest = self.meter.nearest(session, device, &source, &frame, grid.pixels())?;
+        by_block.sort_by_key(|(block, _)| *block);
+        let grid = Grid::new(&frame, block_px, None, |_, _| true)?;
+        let nearest = self.meter.nearest(session, device, &paint.strip, &frame, grid.pixels())?;
         let map = grid.map(&similarity(&nearest))?;
         session.phase("measure");
 
-        let name = file_name(paint, technique);
+        let name = file_name(paint.number, technique);
         let bytes = png(first.clone())?;
         outputs.add(args.output.join(format!("{name}.png")), bytes);
         outputs.add(args.output.join(format!("{name}_next.png")), png(second)?);
         let frame = png(over(first, [255; 3]))?;
-        Ok(Measured { paint, technique, figures, by_block, frame, map })
+        Ok(Measured { paint: paint.number, technique, figures, by_block, frame, map })
     }
 }
 
@@ -274,10 +288,6 @@ fn builtin_model() -> Result<Mesh> {
     Ok(Mesh::parse(bytes, MODEL, &MeshOptions::default())?.mesh)
 }
 
-fn picture_of(strip: &Strip) -> Result<Picture> {
-    Ok(Picture::new(strip.sample.width(), strip.sample.height(), strip.sample.to_rgba8())?)
-}
-
 fn over_rgba(strip: &Strip) -> Result<RgbaImage> {
     super::picture::from_texels(strip.sample.to_rgba8().into_flattened(), (strip.sample.width(), strip.sample.height()))
 }
@@ -286,8 +296,28 @@ fn measured_picture(frame: &RgbaImage) -> Result<Picture> {
     Ok(Picture::new(frame.width(), frame.height(), frame.pixels().map(|pixel| pixel.0).collect())?)
 }
 
-/// A file's name without folder and extension.
-fn stem(name: &str) -> String {
-    let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
-    stem.trim_start_matches("strip_").replace('_', " ")
+/// What the paints are called: their files' names without folder and extension, or all of it where two would be the same.
+fn names(files: &[&str]) -> Vec<String> {
+    let short = |file: &str| {
+        let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let bare = stem.strip_prefix("strip_").filter(|rest| !rest.is_empty()).unwrap_or(&stem);
+        bare.replace('_', " ")
+    };
+    let all: Vec<String> = files.iter().map(|file| short(file)).collect();
+    let name = |(file, name): (&&str, &String)| match all.iter().filter(|other| *other == name).count() {
+        1 => name.clone(),
+        _ => (*file).to_owned(),
+    };
+    files.iter().zip(&all).map(name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paints_have_names_that_tell_them_apart() {
+        assert_eq!(names(&["a/strip_dark_red.png", "b/strip_.png"]), ["dark red", "strip "]);
+        assert_eq!(names(&["a/oil.png", "b/oil.png", "oil_2.png"]), ["a/oil.png", "b/oil.png", "oil 2"]);
+    }
 }

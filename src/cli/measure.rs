@@ -1,15 +1,13 @@
-//! `impasto measure`: the metrics of chapter 9, and newer ones, on any pictures.
+//! `impasto measure`: the metrics of chapter 9, and newer ones, on any pictures of up to 4096 pixels a side.
 
 use super::failure::{Failure, Result};
 use super::files::{check_file, Outputs};
-use super::meter::{Figures, Grid, Meter, MeterFlags, FIGURE_HEADERS};
+use super::meter::{check_room, load_sample, Figures, Grid, Meter, Pair, SearchFlags, TestFlags, FIGURE_HEADERS};
 use super::picture::{encode, format_of};
 use super::session::Session;
 use super::table::Table;
 use clap::{Args, Subcommand};
-use impasto::metric::{
-    coherence, flip, shading_error, similarity, Eligible, FlipParams, Motion, Neighbour, Picture, Shades,
-};
+use impasto::metric::{flip, shading_error, similarity, FlipParams, Motion, Neighbour, Picture, Shades};
 use std::path::{Path, PathBuf};
 
 /// Flags of `impasto measure`.
@@ -39,6 +37,8 @@ struct SimilarityArgs {
     #[arg(value_name = "FRAME.png")]
     frame: PathBuf,
     #[command(flatten)]
+    search: SearchFlags,
+    #[command(flatten)]
     common: MeasureFlags,
 }
 
@@ -50,9 +50,11 @@ struct ShadingArgs {
     /// The picture that was painted with it; transparent pixels do not count
     #[arg(value_name = "FRAME.png")]
     frame: PathBuf,
-    /// The shade of each pixel, black to white, like the shade.png of `render --dump`
+    /// The shade of each pixel, black to white, like the shade.png of `render --dump`; none where it is transparent
     #[arg(long, value_name = "SHADE.png")]
     shade: PathBuf,
+    #[command(flatten)]
+    search: SearchFlags,
     #[command(flatten)]
     common: MeasureFlags,
 }
@@ -86,7 +88,7 @@ struct MeasureFlags {
           allow_negative_numbers = true)]
     map_step: Option<u32>,
     #[command(flatten)]
-    meter: MeterFlags,
+    test: TestFlags,
 }
 
 /// Measures.
@@ -94,33 +96,31 @@ pub fn run(args: &MeasureArgs, session: &mut Session) -> Result {
     match &args.what {
         What::Similarity(args) => {
             session.parameter("measure", "similarity");
-            session.parameter("sample", args.sample.display().to_string());
-            let value = |nearest: &[Vec<Neighbour>], _: &[(u32, u32)]| similarity(nearest);
-            let figures = |values: &[f64], sample: &Picture, frame: &Picture| {
+            let value = |nearest: &[Vec<Neighbour>], _: &[(u32, u32)], _: u32| similarity(nearest);
+            let figures = |values: &[f64], sample: &Picture, frame: &Picture, session: &mut Session| {
                 let mut figures = Figures::default();
                 figures.score("similarity", values);
-                figures.textures(sample, frame)?;
-                Ok(figures)
+                figures.textures(sample, frame, session);
+                figures
             };
-            against_sample(&args.sample, &args.frame, &args.common, session, |_| Ok(()), value, figures)
+            let paths = (&args.sample, &args.frame);
+            against_sample(paths, (&args.common, &args.search), None, session, value, figures)
         }
         What::Shading(args) => {
             session.parameter("measure", "shading");
-            session.parameter("sample", args.strip.display().to_string());
             session.parameter("shade", args.shade.display().to_string());
             let shades = Shades::load(&args.shade)?;
-            let width = Picture::load(&args.strip)?.width();
-            let fits = |frame: &Picture| check_size(&args.shade, shades.size(), frame);
-            let value = |nearest: &[Vec<Neighbour>], pixels: &[(u32, u32)]| {
-                let wanted: Vec<f64> = pixels.iter().map(|&(x, y)| shades.at(x, y)).collect();
+            let value = |nearest: &[Vec<Neighbour>], pixels: &[(u32, u32)], width: u32| {
+                let wanted: Vec<f64> = pixels.iter().map(|&(x, y)| shades.at(x, y).unwrap_or_default()).collect();
                 shading_error(nearest, width, &wanted).into_iter().map(f64::abs).collect()
             };
-            let figures = |values: &[f64], _: &Picture, _: &Picture| {
+            let figures = |values: &[f64], _: &Picture, _: &Picture, _: &mut Session| {
                 let mut figures = Figures::default();
                 shading_figures(&mut figures, values);
-                Ok(figures)
+                figures
             };
-            against_sample(&args.strip, &args.frame, &args.common, session, fits, value, figures)
+            let (paths, shades) = ((&args.strip, &args.frame), Some((args.shade.as_path(), &shades)));
+            against_sample(paths, (&args.common, &args.search), shades, session, value, figures)
         }
         What::Coherence(args) => between_frames(args, session),
     }
@@ -132,35 +132,46 @@ pub fn shading_figures(figures: &mut Figures, errors: &[f64]) {
     figures.score("shading_error_squared", &errors.iter().map(|error| error.powi(2)).collect::<Vec<_>>());
 }
 
-/// Measures a frame against a sample: `value` of the tested pixels and their nearest, `figures` of those values.
+/// Measures a frame against a sample: `value` of the nearest of the tested pixels, the pixels and the sample's width, and
+/// `figures` of those values. With shades only pixels that have one are tested.
 fn against_sample(
-    sample: &Path,
-    frame: &Path,
-    flags: &MeasureFlags,
+    (sample_path, frame_path): (&PathBuf, &PathBuf),
+    (flags, search): (&MeasureFlags, &SearchFlags),
+    shades: Option<(&Path, &Shades)>,
     session: &mut Session,
-    fits: impl Fn(&Picture) -> Result,
-    value: impl Fn(&[Vec<Neighbour>], &[(u32, u32)]) -> Vec<f64>,
-    figures: impl Fn(&[f64], &Picture, &Picture) -> Result<Figures>,
+    value: impl Fn(&[Vec<Neighbour>], &[(u32, u32)], u32) -> Vec<f64>,
+    figures: impl Fn(&[f64], &Picture, &Picture, &mut Session) -> Figures,
 ) -> Result {
+    session.parameter("sample", sample_path.display().to_string());
+    session.parameter("frame", frame_path.display().to_string());
     flags.begin(session)?;
-    let sample = Picture::load(sample)?;
-    session.parameter("frame", frame.display().to_string());
-    let frame = flags.load(frame)?;
-    fits(&frame)?;
-    let pixels = flags.meter.pixels(&frame, |_, _| true)?;
+    search.report(session);
+    let block_px = flags.test.block_size;
+    let sample = load_sample(sample_path)?;
+    check_room(sample_path, &sample, block_px)?;
+    let frame = flags.load(frame_path)?;
+    if let Some((path, shades)) = shades {
+        check_size(path, shades.size(), &frame)?;
+    }
+    let has_shade = |x: u32, y: u32| shades.is_none_or(|(_, shades)| shades.at(x, y).is_some());
+    let mut reason = flags.reason(frame_path);
+    if let Some((path, _)) = shades {
+        reason.push_str(&format!(" where {} has a shade", path.display()));
+    }
+    let pixels = flags.test.pixels(&frame, &reason, has_shade)?;
     session.phase("load");
     let mut device = session.open_device()?;
-    let meter = Meter::new(&flags.meter, &device)?;
+    let meter = Meter::new(search, &device)?;
     session.phase("setup");
-    let source = meter.source(&mut device, &sample)?;
-    let nearest = meter.nearest(session, &mut device, &source, &frame, &pixels)?;
-    let figures = figures(&value(&nearest, &pixels), &sample, &frame)?;
+    let strip = meter.strip(&mut device, sample_path, &sample, block_px)?;
+    let nearest = meter.nearest(session, &mut device, &strip, &frame, &pixels)?;
+    let figures = figures(&value(&nearest, &pixels, strip.width()), &sample, &frame, session);
     session.phase("measure");
     let mut outputs = Outputs::default();
     if let Some(map) = &flags.map {
-        let grid = Grid::new(&frame, flags.meter.block_size, flags.map_step, |_, _| true);
-        let nearest = meter.nearest(session, &mut device, &source, &frame, grid.pixels())?;
-        let picture = grid.map(&value(&nearest, grid.pixels()))?.picture();
+        let grid = Grid::new(&frame, block_px, flags.map_step, has_shade)?;
+        let nearest = meter.nearest(session, &mut device, &strip, &frame, grid.pixels())?;
+        let picture = grid.map(&value(&nearest, grid.pixels(), strip.width()))?.picture();
         outputs.add(map, encode(picture, format_of(map)?)?);
         session.phase("map");
     }
@@ -182,35 +193,34 @@ fn between_frames(args: &CoherenceArgs, session: &mut Session) -> Result {
         session.parameter("motion", path.display().to_string());
         check_size(path, motion.size(), &frame)?;
     }
+    let block_px = flags.test.block_size;
+    let pair = Pair::new(&frame, &next, block_px);
+    let reason = format!("{} and of {}", flags.reason(&args.frame), args.next.display());
+    let still = flags.test.pixels(&frame, &reason, |x, y| pair.place(None, x, y).is_some())?;
+    let moved = match (&motion, &args.motion) {
+        (Some(motion), Some(path)) => {
+            let reason = format!("{reason}, moved as {} says", path.display());
+            Some((motion, flags.test.pixels(&frame, &reason, |x, y| pair.place(Some(motion), x, y).is_some())?))
+        }
+        _ => None,
+    };
     session.phase("load");
     let mut device = session.open_device()?;
-    let meter = Meter::new(&flags.meter, &device)?;
+    let meter = Meter::of_frames(&device)?;
     session.phase("setup");
     let mut figures = Figures::default();
-    let block_px = flags.meter.block_size;
-    let in_next = Eligible::new(&next, block_px);
-    let still = |x: u32, y: u32| in_next.contains(x, y).then_some((x, y));
-    let moved =
-        |x: u32, y: u32| motion.as_ref().and_then(|motion| motion.pixel(x, y)).filter(|&(x, y)| in_next.contains(x, y));
-    let measure = |device: &mut _, pixels: &[(u32, u32)], to: &dyn Fn(u32, u32) -> Option<(u32, u32)>| {
-        let there: Vec<(u32, u32)> = pixels.iter().filter_map(|&(x, y)| to(x, y)).collect();
-        let (first, second) = (meter.features(device, &frame, pixels)?, meter.features(device, &next, &there)?);
-        Ok::<_, Failure>(coherence(&first, &second, block_px))
-    };
-    let pixels = flags.meter.pixels(&frame, |x, y| still(x, y).is_some())?;
-    figures.score("coherence_image_space", &measure(&mut device, &pixels, &still)?);
-    if motion.is_some() {
-        let pixels = flags.meter.pixels(&frame, |x, y| moved(x, y).is_some())?;
-        figures.score("coherence_object_space", &measure(&mut device, &pixels, &moved)?);
+    figures.score("coherence_image_space", &pair.coherence(&meter, &mut device, None, &still)?);
+    if let Some((motion, pixels)) = &moved {
+        figures.score("coherence_object_space", &pair.coherence(&meter, &mut device, Some(motion), pixels)?);
     }
     figures.number("flip", flip(&frame, &next, &FlipParams::default())?.mean);
     session.phase("measure");
     let mut outputs = Outputs::default();
     if let Some(map) = &flags.map {
         // On the surface, if its motion is known.
-        let to: &dyn Fn(u32, u32) -> Option<(u32, u32)> = if motion.is_some() { &moved } else { &still };
-        let grid = Grid::new(&frame, block_px, flags.map_step, |x, y| to(x, y).is_some());
-        let picture = grid.map(&measure(&mut device, grid.pixels(), to)?)?.picture();
+        let motion = motion.as_ref();
+        let grid = Grid::new(&frame, block_px, flags.map_step, |x, y| pair.place(motion, x, y).is_some())?;
+        let picture = grid.map(&pair.coherence(&meter, &mut device, motion, grid.pixels())?)?.picture();
         outputs.add(map, encode(picture, format_of(map)?)?);
         session.phase("map");
     }
@@ -235,13 +245,20 @@ impl MeasureFlags {
             check_file(map)?;
         }
         session.parameter("mask", self.mask.as_ref().map(|path| path.display().to_string()));
-        self.meter.report(session);
+        self.test.report(session);
         Ok(())
+    }
+
+    /// What an error about pixels ends with: of which frame and mask.
+    fn reason(&self, frame: &Path) -> String {
+        let masked = self.mask.as_ref().map(|mask| format!(" as {} masks it", mask.display()));
+        format!(" of {}{}", frame.display(), masked.unwrap_or_default())
     }
 
     /// A frame with the mask.
     fn load(&self, path: &Path) -> Result<Picture> {
         let frame = Picture::load(path)?;
+        check_room(path, &frame, self.test.block_size)?;
         let Some(mask) = &self.mask else { return Ok(frame) };
         let picture = Picture::load(mask)?;
         check_size(mask, (picture.width(), picture.height()), &frame)?;

@@ -41,6 +41,8 @@ pub struct Frames {
 /// The motion, ready to be asked.
 pub struct Motion {
     camera: Camera,
+    /// What the camera goes around.
+    axis: Vec3,
     lights: Lights,
     camera_keys: Vec<CameraKey>,
     light_keys: Vec<LightKey>,
@@ -114,13 +116,14 @@ impl Frames {
 }
 
 impl MotionFlags {
-    /// The motion of a scene whose first frame looks through `camera` in `lights`.
-    pub fn load(&self, camera: Camera, lights: Lights) -> Result<Motion> {
+    /// The motion of a scene whose first frame looks through `camera` in `lights`; the camera goes around `axis`.
+    pub fn load(&self, camera: Camera, axis: Vec3, lights: Lights) -> Result<Motion> {
         if !(0.5..=2.0).contains(&self.zoom) {
             return Err(Failure::new(format!("--zoom is {}, but must be from 0.5 to 2", self.zoom)));
         }
         let mut motion = Motion {
             camera,
+            axis,
             lights,
             camera_keys: Vec::new(),
             light_keys: Vec::new(),
@@ -199,7 +202,7 @@ impl Motion {
                 [orbit, distance, light]
             }
         };
-        let camera = self.camera.orbited(orbit)?.moved_away(distance)?.fit_depth(mesh);
+        let camera = self.camera.orbited(orbit, self.axis)?.moved_away(distance)?.fit_depth(mesh);
         let (sin, cos) = f64::from(light).to_radians().sin_cos();
         let turned = |d: Vec3| {
             let (x, z) = (f64::from(d.x), f64::from(d.z));

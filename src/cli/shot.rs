@@ -28,7 +28,7 @@ pub struct ShotFlags {
     #[command(flatten)]
     technique: TechniqueFlags,
     #[command(flatten)]
-    view: ViewFlags,
+    pub view: ViewFlags,
     /// Colour behind the model, like #ffffff [default: transparent]
     #[arg(long, value_name = "COLOR", value_parser = color)]
     pub background: Option<[u8; 3]>,
@@ -51,7 +51,7 @@ impl ShotFlags {
         let camera = self.view.camera(&mesh, self.size.aspect())?;
         let name = self.technique.technique;
         let paints = self.paints.load(&mesh, name == TechniqueName::Aligned, session)?;
-        let chosen = self.technique.choose(&self.quilting, &mesh, paints.prepared()?)?;
+        let chosen = self.technique.options.choose(name, &self.quilting, &mesh, paints.prepared()?)?;
         let window = ImageParams { quilt: chosen.quilt, k: chosen.k, levels: chosen.levels };
         // A k out of range is told before any work.
         window.window_px(1)?;
@@ -66,7 +66,7 @@ impl ShotFlags {
         }
         session.parameter("model", self.model.display().to_string());
         session.parameter("size", self.size.to_string());
-        self.technique.report(session);
+        self.technique.options.report(name, session);
         self.quilting.report(session);
         self.view.report(&camera, &lights, session);
         Ok(Shot { mesh, camera, lights, paints, chosen })

@@ -28,12 +28,19 @@ pub enum TechniqueName {
     Dependent,
 }
 
-/// Flags of the techniques.
+/// Which technique, and the flags of all.
 #[derive(Args, Debug, Clone)]
 pub struct TechniqueFlags {
     /// Way of painting
     #[arg(long, value_enum, default_value_t)]
     pub technique: TechniqueName,
+    #[command(flatten)]
+    pub options: TechniqueOptions,
+}
+
+/// Flags of the techniques.
+#[derive(Args, Debug, Clone)]
+pub struct TechniqueOptions {
     /// How far a block's place in the strip may be from its shade's, in blocks; fractions allowed [default: 1/16 of the
     /// strip's width, 1 to 4 blocks; the thesis: 4]
     #[arg(long, value_name = "BLOCKS", allow_negative_numbers = true, help_heading = "Image and dependent")]
@@ -184,12 +191,18 @@ pub enum Technique {
     Dependent(Vec<View>, u32, DependentParams),
 }
 
-impl TechniqueFlags {
+impl TechniqueOptions {
     /// Checks what can be checked before anything is loaded, and puts the parameters together. `prepared` is the number
     /// and size of the levels of a paint that was prepared before.
-    pub fn choose(&self, quilting: &Quilting, mesh: &Mesh, prepared: Option<(u32, u32)>) -> Result<Chosen> {
+    pub fn choose(
+        &self,
+        name: TechniqueName,
+        quilting: &Quilting,
+        mesh: &Mesh,
+        prepared: Option<(u32, u32)>,
+    ) -> Result<Chosen> {
         let quilt = quilting.params(false);
-        let technique = match self.technique {
+        let technique = match name {
             TechniqueName::Image => Technique::Image,
             TechniqueName::Object => Technique::Object(self.object.params(quilting.seed, mesh)?),
             TechniqueName::Aligned => {
@@ -216,12 +229,12 @@ impl TechniqueFlags {
         Ok(Chosen { technique, quilt, k: self.k, levels: self.levels })
     }
 
-    /// Adds the flags that count for the technique to the report.
-    pub fn report(&self, session: &mut Session) {
+    /// Adds the flags that count for a technique to the report.
+    pub fn report(&self, technique: TechniqueName, session: &mut Session) {
         let name = |value: &dyn std::fmt::Debug| format!("{value:?}").to_lowercase();
-        session.parameter("technique", name(&self.technique));
+        session.parameter("technique", name(&technique));
         session.parameter("levels", self.levels);
-        match self.technique {
+        match technique {
             TechniqueName::Image => session.parameter("k", self.k.map_or(Value::Null, number)),
             TechniqueName::Object => {
                 let object = &self.object;

@@ -64,6 +64,11 @@ impl ViewFlags {
         Ok(camera)
     }
 
+    /// What the camera goes around: the line through its target that is up in the scene.
+    pub fn axis(&self) -> Vec3 {
+        self.up.unwrap_or(Vec3::Y)
+    }
+
     /// The lights.
     pub fn lights(&self) -> Result<Lights> {
         if self.lights.is_empty() {

@@ -17,6 +17,8 @@ mod cooccurrence;
 mod features;
 #[cfg(feature = "cli")]
 mod flip;
+#[cfg(feature = "cli")]
+mod kdtree;
 mod motion;
 mod picture;
 mod sampling;
@@ -29,6 +31,8 @@ pub use cooccurrence::{cooccurrence_error, CooccurrenceParams};
 pub use features::{block_corner, check_block, FeatureBins, Features, BINS, BLOCK_PX, HISTOGRAMS};
 #[cfg(feature = "cli")]
 pub use flip::{flip, FlipErrors, FlipParams};
+#[cfg(feature = "cli")]
+pub use kdtree::KdTree;
 pub use motion::Motion;
 pub use picture::{Picture, MAX_PICTURE_SIDE_PX};
 pub use sampling::{choose, Eligible};

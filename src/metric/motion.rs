@@ -4,6 +4,7 @@ use crate::paint::{decode_picture, read_picture};
 use crate::scene::{Camera, Guide};
 use crate::{Error, Result};
 use glam::{DMat4, DVec2, DVec3};
+use image::ColorType;
 use std::path::Path;
 
 /// Steps of a pixel in a motion file.
@@ -15,7 +16,7 @@ const REST: f64 = 32_768.0;
 const SAME_PX: f64 = 3.0;
 
 /// For each pixel of a frame the way to its surface's place in the next, in pixels to the right and down; none where the
-/// next frame does not show it.
+/// next frame does not show it, or shows it more than 512 pixels away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     width: u32,
@@ -70,7 +71,8 @@ impl Motion {
                 && point(&from_second, nx, ny, second.depth[there]).distance(here) <= SAME_PX * pixel(here);
             // As a file has it, so that measuring with the file gives the same.
             let steps = |way: f64| ((way * STEPS).round() / STEPS) as f32;
-            visible.then(|| [steps(place.x - f64::from(x)), steps(place.y - f64::from(y))])
+            let way = [steps(place.x - f64::from(x)), steps(place.y - f64::from(y))];
+            (visible && texel(way).is_some()).then_some(way)
         };
         let way = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| way(x, y)).collect();
         Ok(Motion { width, height, way })
@@ -80,26 +82,23 @@ impl Motion {
     /// downwards, and blue 0 where the next frame does not show the surface.
     ///
     /// # Errors
-    /// As [`crate::paint::PaintSample::load`].
+    /// As [`crate::paint::PaintSample::load`], and for a picture that has not red, green and blue of 16 bits.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let picture = decode_picture(&read_picture(path)?, path)?.to_rgb16();
+        let picture = decode_picture(&read_picture(path)?, path)?;
+        // Fewer bits would be taken for motion that is not there.
+        if !matches!(picture.color(), ColorType::Rgb16 | ColorType::Rgba16) {
+            return Err(Error::file(path, "is no motion: it must have red, green and blue of 16 bits"));
+        }
+        let picture = picture.to_rgb16();
         let pixels = |value: u16| ((f64::from(value) - REST) / STEPS) as f32;
         let way = picture.pixels().map(|p| (p.0[2] != 0).then(|| [pixels(p.0[0]), pixels(p.0[1])])).collect();
         Ok(Motion { width: picture.width(), height: picture.height(), way })
     }
 
-    /// The motion as a file has it: red, green and blue of every pixel. What leads further than 512 pixels counts as not
-    /// visible.
+    /// The motion as a file has it: red, green and blue of every pixel.
     pub fn to_rgb16(&self) -> Vec<[u16; 3]> {
-        let value = |pixels: f32| (f64::from(pixels) * STEPS + REST).round();
-        let texel = |way: &Option<[f32; 2]>| match way.map(|[x, y]| [value(x), value(y)]) {
-            Some(values) if values.iter().all(|v| (0.0..=65_535.0).contains(v)) => {
-                [values[0] as u16, values[1] as u16, u16::MAX]
-            }
-            _ => [REST as u16, REST as u16, 0],
-        };
-        self.way.iter().map(texel).collect()
+        self.way.iter().map(|way| way.and_then(texel).unwrap_or([REST as u16, REST as u16, 0])).collect()
     }
 
     /// Width and height in pixels.
@@ -119,4 +118,11 @@ impl Motion {
         };
         Some((to(x, right, self.width)?, to(y, down, self.height)?))
     }
+}
+
+/// A way as a file has it; none for what leads further than 512 pixels.
+fn texel(way: [f32; 2]) -> Option<[u16; 3]> {
+    let [x, y] = way.map(|pixels| (f64::from(pixels) * STEPS + REST).round());
+    let fits = |value: f64| (0.0..=65_535.0).contains(&value);
+    (fits(x) && fits(y)).then_some([x as u16, y as u16, u16::MAX])
 }

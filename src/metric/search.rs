@@ -126,6 +126,8 @@ pub struct Source {
     size: (u32, u32),
     bins: FeatureBins,
     on_device: DeviceBins,
+    /// The features of all its blocks, if they are one chunk.
+    features: Option<Image>,
     /// Pixels whose blocks take part.
     pixels: Vec<(u32, u32)>,
 }
@@ -175,7 +177,11 @@ impl BlockSearch {
             return Err(Error::parameter("blocks of the source", pixels.len(), allowed));
         }
         let on_device = self.device_bins(runner, picture)?;
-        Ok(Source { block_px, size, bins: FeatureBins::new(picture), on_device, pixels })
+        let features = match pixels.len() {
+            0..=CHUNK => Some(self.record_features(runner, &on_device, size, block_px, &pixels)?),
+            _ => None,
+        };
+        Ok(Source { block_px, size, bins: FeatureBins::new(picture), on_device, features, pixels })
     }
 
     /// The features of the blocks around `pixels` of a picture, which must lie in it.
@@ -215,7 +221,10 @@ impl BlockSearch {
         let mut found: Vec<Vec<(f32, u32)>> = vec![Vec::new(); tested.len()];
         let mut first = 0;
         for chunk in source.pixels.chunks(CHUNK) {
-            let features = self.record_features(runner, &source.on_device, source.size, source.block_px, chunk)?;
+            let features = match &source.features {
+                Some(features) => features.clone(),
+                None => self.record_features(runner, &source.on_device, source.size, source.block_px, chunk)?,
+            };
             let blocks = chunk.len() as u32;
             let segments = blocks.div_ceil(SEGMENT);
             let context = &self.context;

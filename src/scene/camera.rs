@@ -91,20 +91,24 @@ impl Camera {
         self
     }
 
-    /// The same camera, moved around what it looks at by `degrees`, to the right for positive ones, about the line that is
-    /// up in the picture. Near and far planes stay.
+    /// The same camera, moved around what it looks at by `degrees`, counter-clockwise about `axis`: with +y, as a turntable
+    /// does it. Near and far planes stay.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an angle that is not finite.
-    pub fn orbited(&self, degrees: f32) -> Result<Self> {
+    /// [`Error::Parameter`] for an angle that is not finite, or an axis that is zero or not finite.
+    pub fn orbited(&self, degrees: f32, axis: Vec3) -> Result<Self> {
         if !degrees.is_finite() {
             return Err(Error::parameter("orbit", degrees, "finite"));
         }
+        let axis = axis.as_dvec3().try_normalize().ok_or_else(|| Error::parameter("axis", axis, "not zero"))?;
         let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
-        let (axis, from) = (self.up.as_dvec3().normalize(), (self.eye - self.target).as_dvec3());
-        let along = axis * axis.dot(from);
-        let eye = self.target.as_dvec3() + along + cos * (from - along) + sin * axis.cross(from);
-        let moved = Self::look_at(eye.as_vec3(), self.target, Some(self.up), self.fov_y_deg)?;
+        let turned = |v: DVec3| {
+            let along = axis * axis.dot(v);
+            along + cos * (v - along) + sin * axis.cross(v)
+        };
+        let eye = self.target.as_dvec3() + turned((self.eye - self.target).as_dvec3());
+        let up = turned(self.up.as_dvec3()).as_vec3();
+        let moved = Self::look_at(eye.as_vec3(), self.target, Some(up), self.fov_y_deg)?;
         Ok(Self { near: self.near, far: self.far, ..moved })
     }
 

@@ -18,6 +18,9 @@ fn a_comparison_is_whole_and_measuring_its_frames_gives_its_figures() {
     let results = report["figures"].as_array().expect("figures");
     let names: Vec<_> = results.iter().map(|one| one["technique"].as_str().expect("a name")).collect();
     assert_eq!(names, ["object", "image", "aligned", "dependent"]);
+    let parameters = &report["parameters"];
+    assert_eq!((&parameters["level_count"], &parameters["repeats"]), (&4.into(), &4.0.into()));
+    assert_eq!(parameters["technique"].as_array().map(Vec::len), Some(4));
     let document: Value = serde_json::from_str(&place.text("report/figures.json")).expect("JSON");
     assert_eq!(document["results"], report["figures"]);
     assert_eq!((&document["version"], &document["device"]["name"]), (&report["version"], &report["device"]["name"]));
@@ -51,6 +54,27 @@ fn a_comparison_is_whole_and_measuring_its_frames_gives_its_figures() {
             assert_eq!(coherence["figures"][name], figures[name], "{technique}: {name}");
         }
     }
+}
+
+#[test]
+fn a_strip_lies_on_white_paper_wherever_it_is_measured() {
+    let place = Place::new();
+    let mut strip = place.picture("strip.png");
+    for (x, y) in (0..6).flat_map(|y| (0..96).map(move |x| (x, y))) {
+        strip.get_pixel_mut(x, y).0[3] = 0;
+    }
+    strip.save(place.path("torn.png")).expect("saved");
+    let report = place.json(&COMPARE.replace("strip.png", "torn.png"));
+    let frame = "measure similarity torn.png report/1_image.png --samples 40";
+    assert_eq!(place.json(frame)["figures"]["similarity"], report["figures"][1]["figures"]["similarity"]);
+    assert_eq!(
+        place.json(frame)["figures"]["cooccurrence_error"],
+        report["figures"][1]["figures"]["cooccurrence_error"]
+    );
+    // One pixel has no interval, and decides nothing.
+    let one = place.json(&COMPARE.replace("--samples 40", "--samples 1"));
+    let verdicts: Vec<_> = one["findings"].as_array().expect("findings").iter().map(|f| &f["holds"]).collect();
+    assert!(verdicts.iter().all(|verdict| *verdict != "yes"), "{verdicts:?}");
 }
 
 #[test]
@@ -96,7 +120,19 @@ fn what_cannot_be_measured_is_told() {
     place.picture("strip.png").save(place.path("frame.png")).expect("saved");
     image::RgbaImage::new(96, 40).save(place.path("nothing.png")).expect("saved");
     std::fs::write(place.path("text.png"), "text").expect("written");
-    place.fails("measure similarity strip.png nothing.png --map map.png", 1, &["no block of 8 x 8"]);
+    image::GrayImage::new(96, 40).save(place.path("black.png")).expect("saved");
+    image::RgbaImage::new(6, 6).save(place.path("tiny.png")).expect("saved");
+    let motion = image::ImageBuffer::<image::Rgb<u16>, _>::from_pixel(96, 40, image::Rgb([0, 0, 0]));
+    motion.save(place.path("hidden.png")).expect("saved");
+    place.fails("measure similarity strip.png nothing.png --map map.png", 1, &["no block of 8 x 8", "nothing.png"]);
+    place.fails("measure similarity strip.png frame.png --mask black.png", 1, &["no block of 8 x 8", "black.png"]);
+    place.fails("measure similarity tiny.png frame.png", 1, &["tiny.png: has 6 x 6", "--block-size 8"]);
+    place.fails("measure similarity strip.png tiny.png", 1, &["tiny.png: has 6 x 6"]);
+    place.fails("measure similarity tiny.png frame.png --block-size 5", 1, &["tiny.png", "is 4", "--nearest"]);
+    place.fails("measure shading strip.png frame.png --shade nothing.png", 1, &["nothing.png has a shade"]);
+    place.fails("measure coherence frame.png strip.png --motion hidden.png", 1, &["hidden.png", "moved"]);
+    place.fails("measure coherence frame.png strip.png --motion strip.png", 1, &["strip.png", "16 bits"]);
+    place.fails("compare scene.obj --technique image -o report", 2, &["--technique"]);
     place.fails("measure similarity strip.png missing.png", 1, &["missing.png"]);
     place.fails("measure similarity text.png frame.png", 1, &["text.png"]);
     place.fails("measure similarity strip.png frame.png --block-size 13", 2, &["--block-size", "4..=12"]);
@@ -108,7 +144,6 @@ fn what_cannot_be_measured_is_told() {
     place.fails("measure shading strip.png frame.png", 2, &["--shade"]);
     place.fails("measure shading strip.png frame.png --shade other.png", 1, &["other.png", "80 x 48"]);
     place.fails("measure coherence frame.png other.png", 1, &["other.png", "80 x 48"]);
-    place.fails("measure coherence frame.png strip.png --motion other.png", 1, &["other.png"]);
     place.fails("compare scene.obj --paint missing.png -o report", 1, &["--paint", "missing.png"]);
     place.fails("compare missing.obj -o report", 1, &["missing.obj"]);
     place.fails("compare scene.obj --paint strip.png -o strip.png", 1, &["strip.png"]);

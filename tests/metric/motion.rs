@@ -68,6 +68,9 @@ fn file_gives_the_same(motion: &Motion) {
         image::ImageBuffer::from_raw(SIDE, SIDE, pixels).expect("a picture");
     picture.save(&path).expect("saved");
     assert_eq!(&Motion::load(&path).expect("a motion"), motion);
+    let coarse = dir.path().join("coarse.png");
+    image::RgbImage::new(SIDE, SIDE).save(&coarse).expect("saved");
+    assert!(Motion::load(&coarse).expect_err("refused").to_string().contains("coarse.png: is no motion"));
     std::fs::write(&path, "text").expect("written");
     assert!(Motion::load(&path).expect_err("refused").to_string().contains("motion.png"));
 }
@@ -76,12 +79,13 @@ fn file_gives_the_same(motion: &Motion) {
 fn shades_and_masks_are_read() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("shade.png");
-    let shade = image::ImageBuffer::from_fn(4, 2, |x, y| image::Luma([(x * 10_000 + y) as u16]));
+    let alpha = |x: u32| if x == 1 { 65_534 } else { u16::MAX };
+    let shade = image::ImageBuffer::from_fn(4, 2, |x, y| image::LumaA([(x * 10_000 + y) as u16, alpha(x)]));
     shade.save(&path).expect("saved");
     let shades = Shades::load(&path).expect("shades");
     assert_eq!(shades.size(), (4, 2));
-    assert!((shades.at(3, 1) - 30_001.0 / 65_535.0).abs() < 1e-12);
-    assert_eq!((shades.at(4, 0), shades.at(0, 2)), (0.0, 0.0));
+    assert!((shades.at(3, 1).expect("a shade") - 30_001.0 / 65_535.0).abs() < 1e-12);
+    assert_eq!((shades.at(4, 0), shades.at(0, 2), shades.at(1, 0)), (None, None, None));
 
     let frame = Picture::new(2, 1, vec![[9, 9, 9, 255]; 2]).expect("a picture");
     let mask = Picture::new(2, 1, vec![[0, 127, 255, 255], [0, 128, 0, 255]]).expect("a mask");

@@ -203,15 +203,19 @@ fn unusable_cameras_are_refused() {
 fn a_camera_goes_around_and_away_from_what_it_looks_at() {
     let target = Vec3::new(1.0, 2.0, 3.0);
     let camera = Camera::look_at(target + Vec3::new(0.0, 3.0, 4.0), target, None, 40.0).expect("a camera");
-    let quarter = camera.orbited(90.0).expect("a camera");
-    // Around the line that is up in the picture, which leans back: what is across goes where the eye was.
-    let right = camera.forward().cross(camera.up());
-    assert!((quarter.eye() - (target + 5.0 * right)).length() < 1e-5, "{}", quarter.eye());
-    assert!((quarter.up() - camera.up()).length() < 1e-6 && quarter.target() == target);
-    let around = (0..8).try_fold(camera, |camera, _| camera.orbited(45.0)).expect("a camera");
+    let quarter = camera.orbited(90.0, Vec3::Y).expect("a camera");
+    // From +z to +x, at the same height.
+    assert!((quarter.eye() - (target + Vec3::new(4.0, 3.0, 0.0))).length() < 1e-5, "{}", quarter.eye());
+    assert!((quarter.up() - Vec3::new(-0.6, 0.8, 0.0)).length() < 1e-6 && quarter.target() == target);
+    let around = (0..8).try_fold(camera, |camera, _| camera.orbited(45.0, Vec3::Y)).expect("a camera");
     assert!((around.eye() - camera.eye()).length() < 1e-5);
+    // Straight from above the picture turns.
+    let above = Camera::look_at(target + Vec3::Y, target, None, 40.0).expect("a camera");
+    let turned = above.orbited(90.0, Vec3::Y).expect("a camera");
+    assert!((turned.eye() - above.eye()).length() < 1e-6 && turned.up().dot(above.up()).abs() < 1e-6);
     let far = camera.moved_away(2.0).expect("a camera");
     assert!((far.eye() - (target + Vec3::new(0.0, 6.0, 8.0))).length() < 1e-5);
     assert_eq!((far.near(), far.far(), far.fov_y_deg()), (camera.near(), camera.far(), 40.0));
-    assert!(camera.orbited(f32::NAN).is_err() && camera.moved_away(0.0).is_err() && camera.moved_away(-1.0).is_err());
+    assert!(camera.orbited(f32::NAN, Vec3::Y).is_err() && camera.orbited(1.0, Vec3::ZERO).is_err());
+    assert!(camera.moved_away(0.0).is_err() && camera.moved_away(-1.0).is_err());
 }
