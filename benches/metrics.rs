@@ -1,7 +1,8 @@
 //! What the thesis's metric costs: features, and the search for the 10 nearest among all blocks of a strip.
 //!
-//! `make bench` prints wall times for the 100 pixels of a measurement and for a map of 64x64, with the comparisons and their
-//! rate, beside the same search in plain code on one core and in a k-d tree. Every round must find what the first found.
+//! `make bench` prints wall times for the 100 pixels of a measurement and for a map of 64x64, with the comparisons and
+//! their rate, beside the same search in plain code on one core and in a k-d tree. Every round must find what the first
+//! found.
 
 use impasto::gpu::{Context, ContextOptions, Runner};
 use impasto::metric::{BlockSearch, Eligible, Features, Neighbour, Picture};

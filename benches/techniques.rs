@@ -1,9 +1,9 @@
 //! What a frame of each real-time technique costs, and what its preparation takes.
 //!
-//! `make bench` prints, for the 100,000-triangle skull where the sample data is at hand and the built-in head otherwise:
-//! the time of preparing, and for a 1024x1024 frame the CPU time of the whole process (both cores and the driver's
-//! threads, from /proc) and the wall time, beside the guide pass alone and beside image-based synthesis of the same
-//! frame. Nothing passes or fails by time; every round must give the bytes of the first.
+//! `make bench` prints, for the 100,000-triangle skull where the sample data is at hand and the built-in head
+//! otherwise: the time of preparing, and for a 1024x1024 frame the CPU time of the whole process (both cores and the
+//! driver's threads, from /proc) and the wall time, beside the guide pass alone and beside image-based synthesis of the
+//! same frame. Nothing passes or fails by time; every round must give the bytes of the first.
 
 use impasto::gpu::{Context, ContextOptions, Image, Recorder, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};

@@ -1,4 +1,5 @@
-//! Random numbers as a function of what they are for, so that they do not depend on the order in which they are asked for.
+//! Random numbers as a function of what they are for, so that they do not depend on the order in which they are asked
+//! for.
 
 /// 32 random bits for `number`, for a `purpose`, of a `seed`.
 ///

@@ -1,5 +1,5 @@
-//! The coordinate t of equation 5.1 against a plain oracle that shares no code with it, the strip that repeats along it,
-//! and the grid that shows it.
+//! The coordinate t of equation 5.1 against a plain oracle that shares no code with it, the strip that repeats along
+//! it, and the grid that shows it.
 
 mod common;
 

@@ -1,10 +1,10 @@
 #version 450
-// The thesis's texture metric (chapter 9.1): the distances of tested blocks to source blocks, all with all. One invocation
-// compares four source blocks with eight tested ones, so that each that it loads serves several times.
+// The thesis's texture metric (chapter 9.1): the distances of tested blocks to source blocks, all with all. One
+// invocation compares four source blocks with eight tested ones, so that each that it loads serves several times.
 //
 // A histogram's squared distance is |a|^2 + |b|^2 - 2 a.b, and two counts stand in a word: with the other side's halves
-// exchanged, the upper half of a product is the sum of two of the dot product's terms. Counts sum up to 144 at most, so no
-// half runs over. Integers up to the root, which devices may round differently: the host compares the best again.
+// exchanged, the upper half of a product is the sum of two of the dot product's terms. Counts sum up to 144 at most, so
+// no half runs over. Integers up to the root, which devices may round differently: the host compares the best again.
 // In:  the features of the source and of the tested blocks (features.comp).
 // Out: sum over the histograms of the Euclidean distance; tested block t and source block n at texel t * blocks + n, along
 //      rows of 4096.

@@ -1,6 +1,6 @@
 #version 450
-// The thesis's texture metric (chapter 9.1): the nearest source blocks of each tested block in a segment of the source. One
-// invocation a segment; the host takes the nearest of all segments.
+// The thesis's texture metric (chapter 9.1): the nearest source blocks of each tested block in a segment of the source.
+// One invocation a segment; the host takes the nearest of all segments.
 // In:  distances (feature_distance.comp).
 // Out: for tested block t and segment s, from (t * segments + s) * KEPT on, the KEPT nearest, nearest first and of equal ones
 //      the first: the distance's bits and the source block; unused ones have an infinite distance.

@@ -2,15 +2,14 @@
 // Quilting, second stage: the overlap error of the blocks of one wave at every allowed position of the sample.
 //
 // Thesis 3.2.2; Efros and Freeman 2001. The error is the sum of squared differences of 8-bit RGB over those pixels of
-// the block that are painted already (the L of its overlaps), each pixel once.
-// Which pixels those are follows from the neighbours: a block is cut into 3 x 3 fields by its overlaps, and a field is
-// painted if any neighbour that reaches into it is placed. Painted fields side by side make a *run*, and a run through
-// the rows of its band a rectangle.
+// the block that are painted already (the L of its overlaps), each pixel once. Which pixels those are follows from the
+// neighbours: a block is cut into 3 x 3 fields by its overlaps, and a field is painted if any neighbour that reaches
+// into it is placed. Painted fields side by side make a *run*, and a run through the rows of its band a rectangle.
 // Arithmetic: sum (a - b)^2 = sum a^2 - 2 sum ab + sum b^2. The first comes from a summed-area table of the sample, in
 // 32-bit integers that may wrap around, since the sum itself fits. Products ab are summed in 32-bit floats over so few
-// texels that they hold them exactly, with or without fused operations.
-// Work: a workgroup compares GROUP * TILE positions in raster order, an invocation TILE neighbours in x, so that a texel
-// of the sample that is loaded and unpacked once serves TILE comparisons.
+// texels that they hold them exactly, with or without fused operations. Work: a workgroup compares GROUP * TILE
+// positions in raster order, an invocation TILE neighbours in x, so that a texel of the sample that is loaded and
+// unpacked once serves TILE comparisons.
 // In:  sample (TILE + CHUNK texels wider than it is, so that no load leaves it), its summed-area table of |a|^2 (one
 //      row and column of zeros first), canvas, blocks, the blocks' order.
 // Out: errors, in raster order with rows of positions padded to TILE; padding is 2^32 - 1. Least error of each group.

@@ -1,6 +1,6 @@
 #version 450
-// View-dependent interpolation, second pass (thesis chapter 8): texture from the slices of the views that show the face,
-// each at the place where its view shows the point; colour by shade.
+// View-dependent interpolation, second pass (thesis chapter 8): texture from the slices of the views that show the
+// face, each at the place where its view shows the point; colour by shade.
 // In:  shade, set of slices and distance of each pixel's surface, the blend of every set, the rows x, y and w of each
 //      slice's projection, the slices, the paints' colours.
 // Out: frame, straight alpha, background 0.

@@ -1,6 +1,6 @@
 #version 450
-// View-dependent interpolation: how far inside a slice's faces each texel lies, so that a slice fades out towards faces that
-// it does not show instead of ending at a seam.
+// View-dependent interpolation: how far inside a slice's faces each texel lies, so that a slice fades out towards faces
+// that it does not show instead of ending at a seam.
 // In:  rows first: the slice's guide, 0 where none of its faces is. Then columns: what the rows gave.
 // Out: rows: the distance along the row to the next texel without a face, `radius` at most. Columns: the square of the
 //      distance to it, as a part of the radius's square, 0 to 255. All in integers, so the same everywhere.

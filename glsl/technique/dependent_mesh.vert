@@ -1,6 +1,6 @@
 #version 450
-// View-dependent interpolation, first pass: the mesh, the first vertex of each face with the face's set of slices (thesis
-// chapter 8). Push constants are those of dependent_mesh.frag.
+// View-dependent interpolation, first pass: the mesh, the first vertex of each face with the face's set of slices
+// (thesis chapter 8). Push constants are those of dependent_mesh.frag.
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;

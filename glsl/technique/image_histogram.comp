@@ -1,6 +1,7 @@
 #version 450
-// Image-based technique, before its levels: how often each shade occurs on the model, so that the model's own range can be
-// spread over the whole strip. One bin for each 1/1024 of shade. Counts are integers, so their order does not matter.
+// Image-based technique, before its levels: how often each shade occurs on the model, so that the model's own range can
+// be spread over the whole strip. One bin for each 1/1024 of shade. Counts are integers, so their order does not
+// matter.
 
 layout(local_size_x = 16, local_size_y = 8) in;
 

@@ -1,6 +1,7 @@
 #version 450
-// Image-based technique, last stage: colour by shade from the trajectory, plus the texture difference that the synthesis
-// brought to the pixel, clipped (thesis chapter 6, figure 6.1). One dispatch for each paint; pixels of others stay.
+// Image-based technique, last stage: colour by shade from the trajectory, plus the texture difference that the
+// synthesis brought to the pixel, clipped (thesis chapter 6, figure 6.1). One dispatch for each paint; pixels of others
+// stay.
 // In:  tone, guide, the synthesis's source coordinates, the paint's texture difference and trajectory.
 // Out: frame, straight alpha, background 0.
 

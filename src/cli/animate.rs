@@ -1,7 +1,7 @@
 //! `impasto animate`: frame after frame, to numbered pictures, a film or an animated GIF.
 //!
-//! A frame depends on nothing but its number, so that a run may be cut into parts that other machines make, and go on where
-//! it was interrupted. While the device works on a frame, other threads encode and write those before it.
+//! A frame depends on nothing but its number, so that a run may be cut into parts that other machines make, and go on
+//! where it was interrupted. While the device works on a frame, other threads encode and write those before it.
 
 use super::failure::{Failure, Result};
 use super::film::{Sink, Target};
@@ -19,8 +19,8 @@ use std::time::Instant;
 /// Flags of `impasto animate`.
 #[derive(Args, Debug)]
 pub struct AnimateArgs {
-    /// What to write: numbered pictures like DIR/%04d.png (or .jpg, .bmp, .tiff), a film .mp4, .webm, .mkv or .mov (by the
-    /// program ffmpeg), or a .gif
+    /// What to write: numbered pictures like DIR/%04d.png (or .jpg, .bmp, .tiff), a film .mp4, .webm, .mkv or .mov (by
+    /// the program ffmpeg), or a .gif
     #[arg(short, long, value_name = "DIR/%04d.png|FILM")]
     output: PathBuf,
     /// First and last frame

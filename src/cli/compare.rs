@@ -296,7 +296,8 @@ fn measured_picture(frame: &RgbaImage) -> Result<Picture> {
     Ok(Picture::new(frame.width(), frame.height(), frame.pixels().map(|pixel| pixel.0).collect())?)
 }
 
-/// What the paints are called: their files' names without folder and extension, or all of it where two would be the same.
+/// What the paints are called: their files' names without folder and extension, or all of it where two would be the
+/// same.
 fn names(files: &[&str]) -> Vec<String> {
     let short = |file: &str| {
         let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();

@@ -1,5 +1,5 @@
-//! The report of `impasto compare`: table 10.1 with the thesis's figures beside ours, what the thesis found and whether it
-//! holds, the grid of figures 10.1 to 10.3, maps and a plot.
+//! The report of `impasto compare`: table 10.1 with the thesis's figures beside ours, what the thesis found and whether
+//! it holds, the grid of figures 10.1 to 10.3, maps and a plot.
 
 use super::compare::{Measured, PLOTTED, TECHNIQUES};
 use super::failure::Result;
@@ -135,7 +135,8 @@ impl Report<'_> {
         table
     }
 
-    /// The mean over all paints with half the width of its 95 % confidence interval, which may be unknown: infinite, then.
+    /// The mean over all paints with half the width of its 95 % confidence interval, which may be unknown: infinite,
+    /// then.
     fn interval(&self, technique: TechniqueName, figure: &str) -> (f64, f64) {
         let widths = self.of(technique).map(|one| one.figures.half_width(figure).unwrap_or(f64::INFINITY));
         let squares: f64 = widths.map(|half| half * half).sum();

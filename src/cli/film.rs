@@ -1,8 +1,8 @@
 //! Where frames go: numbered pictures, a film through ffmpeg, or an animated GIF.
 //!
 //! Numbered pictures are written by threads of their own, each under a temporary name first, so that a picture that is
-//! there is whole. Beside them stands `animation.json`, which says what they were made by: pictures of something else are
-//! not taken for finished ones. A film is written under a temporary name too, and takes its own at the end.
+//! there is whole. Beside them stands `animation.json`, which says what they were made by: pictures of something else
+//! are not taken for finished ones. A film is written under a temporary name too, and takes its own at the end.
 
 use super::failure::{Failure, Result};
 use super::files::{check_file, check_folder, Outputs};
@@ -73,7 +73,8 @@ impl Target {
         matches!(self.kind, Kind::Numbered(..))
     }
 
-    /// Finds out whether it can be written; and whether what is there already is by the same parameters, if it is to be kept.
+    /// Finds out whether it can be written; and whether what is there already is by the same parameters, if it is to be
+    /// kept.
     pub fn check(&self, made_by: Option<&Value>) -> Result {
         match &self.kind {
             Kind::Numbered(..) => {

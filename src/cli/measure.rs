@@ -19,8 +19,8 @@ pub struct MeasureArgs {
 
 #[derive(Subcommand, Debug)]
 enum What {
-    /// How much the texture of a frame looks like the sample's (thesis 9.1), with co-occurrence error and sliced Wasserstein
-    /// distance
+    /// How much the texture of a frame looks like the sample's (thesis 9.1), with co-occurrence error and sliced
+    /// Wasserstein distance
     Similarity(SimilarityArgs),
     /// How far the texture's place in the strip is from the shade that it should show (thesis 9.2)
     Shading(ShadingArgs),
@@ -67,8 +67,8 @@ struct CoherenceArgs {
     /// The frame after it
     #[arg(value_name = "NEXT.png")]
     next: PathBuf,
-    /// Where each pixel's surface has moved, for coherence in object space: 16 bits, red 32768 + 64 times the pixels to the
-    /// right, green the same downwards, blue 0 where the next frame does not show it; as `compare` writes it
+    /// Where each pixel's surface has moved, for coherence in object space: 16 bits, red 32768 + 64 times the pixels to
+    /// the right, green the same downwards, blue 0 where the next frame does not show it; as `compare` writes it
     #[arg(long, value_name = "MOTION.png")]
     motion: Option<PathBuf>,
     #[command(flatten)]
@@ -77,7 +77,8 @@ struct CoherenceArgs {
 
 #[derive(Args, Debug)]
 struct MeasureFlags {
-    /// Which pixels of the frame (and of the next) belong to the object, white on black [default: those that are opaque]
+    /// Which pixels of the frame (and of the next) belong to the object, white on black [default: those that are
+    /// opaque]
     #[arg(long, value_name = "MASK.png")]
     mask: Option<PathBuf>,
     /// Picture of where the error is, to be written: .png, .jpg, .bmp or .tiff
@@ -132,8 +133,8 @@ pub fn shading_figures(figures: &mut Figures, errors: &[f64]) {
     figures.score("shading_error_squared", &errors.iter().map(|error| error.powi(2)).collect::<Vec<_>>());
 }
 
-/// Measures a frame against a sample: `value` of the nearest of the tested pixels, the pixels and the sample's width, and
-/// `figures` of those values. With shades only pixels that have one are tested.
+/// Measures a frame against a sample: `value` of the nearest of the tested pixels, the pixels and the sample's width,
+/// and `figures` of those values. With shades only pixels that have one are tested.
 fn against_sample(
     (sample_path, frame_path): (&PathBuf, &PathBuf),
     (flags, search): (&MeasureFlags, &SearchFlags),

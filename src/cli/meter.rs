@@ -62,8 +62,8 @@ impl TestFlags {
         session.parameter("sample_seed", self.sample_seed);
     }
 
-    /// Some of the pixels that may be measured in `frame` and that `also` accepts, which `reason` tells of when there are
-    /// none.
+    /// Some of the pixels that may be measured in `frame` and that `also` accepts, which `reason` tells of when there
+    /// are none.
     pub fn pixels(&self, frame: &Picture, reason: &str, also: impl Fn(u32, u32) -> bool) -> Result<Vec<(u32, u32)>> {
         let all = Eligible::new(frame, self.block_size).all(also);
         if all.is_empty() {
@@ -193,8 +193,8 @@ impl<'a> Pair<'a> {
         Pair { frame, next, in_next: Eligible::new(next, block_px), block_px }
     }
 
-    /// Where a pixel is in the next frame: at the same place, or where its surface has moved to. `None` where the block there
-    /// does not lie inside the object, or the surface is hidden.
+    /// Where a pixel is in the next frame: at the same place, or where its surface has moved to. `None` where the block
+    /// there does not lie inside the object, or the surface is hidden.
     pub fn place(&self, motion: Option<&Motion>, x: u32, y: u32) -> Option<(u32, u32)> {
         let place = motion.map_or(Some((x, y)), |motion| motion.pixel(x, y));
         place.filter(|&(x, y)| self.in_next.contains(x, y))
@@ -218,7 +218,8 @@ impl<'a> Pair<'a> {
 /// Pixels between two steps of the progress bar.
 const TOGETHER: usize = 256;
 
-/// The pixels of a map: every so many pixels, so that the longer side has [`MAP_CELLS`] cells or as many as `step` says.
+/// The pixels of a map: every so many pixels, so that the longer side has [`MAP_CELLS`] cells or as many as `step`
+/// says.
 pub struct Grid {
     step: u32,
     width: u32,

@@ -20,8 +20,8 @@ const GRID: &str = "grid";
 /// Paints for the objects of a model.
 #[derive(Args, Debug, Clone)]
 pub struct PaintFlags {
-    /// Paint strip, dark on the left and light on the right, or `grid` for a test pattern; with the technique aligned also
-    /// what `prepare` made; OBJECT= (name or index) gives one object its own
+    /// Paint strip, dark on the left and light on the right, or `grid` for a test pattern; with the technique aligned
+    /// also what `prepare` made; OBJECT= (name or index) gives one object its own
     #[arg(long = "paint", value_name = "[OBJECT=]STRIP.png", required = true)]
     paints: Vec<String>,
     /// Other colours for the strip's texture: another strip's, or stops like 0:#102030,0.5:#ff8800,1:#ffffff

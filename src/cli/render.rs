@@ -24,9 +24,9 @@ pub struct RenderArgs {
     output: PathBuf,
     #[command(flatten)]
     shot: ShotFlags,
-    /// Folder for the intermediates: shade.png, id.png, color.png, texture.png, trajectory.png, trajectory.csv, with the
-    /// technique image blocks.json, and with dependent coverage.json; those of a second paint are trajectory_2.png and so
-    /// on
+    /// Folder for the intermediates: shade.png, id.png, color.png, texture.png, trajectory.png, trajectory.csv, with
+    /// the technique image blocks.json, and with dependent coverage.json; those of a second paint are trajectory_2.png
+    /// and so on
     #[arg(long, value_name = "DIR")]
     dump: Option<PathBuf>,
 }

@@ -25,8 +25,8 @@ pub struct Common {
     /// Turn on the Vulkan validation layers; any message of theirs makes the exit status 1
     #[arg(long, global = true, help_heading = "Common options")]
     pub validate: bool,
-    /// Print one JSON document: device, parameters, GPU time of each pass (of the first 4096 in a submission), wall time
-    /// of each phase, files, warnings
+    /// Print one JSON document: device, parameters, GPU time of each pass (of the first 4096 in a submission), wall
+    /// time of each phase, files, warnings
     #[arg(long, global = true, help_heading = "Common options")]
     pub json: bool,
     /// Print nothing but errors
@@ -212,8 +212,8 @@ impl Session {
         self.started.elapsed()
     }
 
-    /// Prints the report of a command that went well, and in any case what the validation layers said. To be called when
-    /// nothing of the command is left on the device, for they may speak up to the end.
+    /// Prints the report of a command that went well, and in any case what the validation layers said. To be called
+    /// when nothing of the command is left on the device, for they may speak up to the end.
     ///
     /// # Errors
     /// The command's own, validation messages, or a standard output that cannot be written to.

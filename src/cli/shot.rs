@@ -1,4 +1,5 @@
-//! What commands that paint a model share: the model, its paint, the technique, the view, and loading and checking them.
+//! What commands that paint a model share: the model, its paint, the technique, the view, and loading and checking
+//! them.
 
 use super::failure::Result;
 use super::paints::{PaintFlags, Paints};

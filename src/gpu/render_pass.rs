@@ -1,7 +1,7 @@
 //! Explicit render passes, framebuffers and raster pipelines.
 //!
-//! Attachments are cleared at the start, unless they are kept, and stored at the end. Their layouts are brought about by the recorder's
-//! barriers before the pass, so the render pass itself changes none.
+//! Attachments are cleared at the start, unless they are kept, and stored at the end. Their layouts are brought about
+//! by the recorder's barriers before the pass, so the render pass itself changes none.
 
 use super::access::Access;
 use super::context::{vulkan, Context};

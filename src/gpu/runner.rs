@@ -63,8 +63,8 @@ impl Runner {
     /// What was recorded before `record` failed is run all the same, since every resource remembers it.
     ///
     /// # Errors
-    /// Those of `record`; [`Error::Vulkan`] when a call fails or the work is stuck, after which the runner is of no more
-    /// use and answers [`Error::Device`].
+    /// Those of `record`; [`Error::Vulkan`] when a call fails or the work is stuck, after which the runner is of no
+    /// more use and answers [`Error::Device`].
     pub fn run<T>(&mut self, record: impl FnOnce(&mut Recorder<'_>) -> Result<T>) -> Result<T> {
         if self.broken {
             return Err(Error::Device("an earlier submission failed or did not end".to_owned()));

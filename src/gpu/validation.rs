@@ -26,7 +26,8 @@ unsafe extern "system" fn callback(
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     user: *mut c_void,
 ) -> vk::Bool32 {
-    // SAFETY: Vulkan passes a valid structure and our own user pointer, which outlives the messenger (`messenger_info`).
+    // SAFETY: Vulkan passes a valid structure and our own user pointer, which outlives the messenger
+    // (`messenger_info`).
     let (log, message) = unsafe {
         let message = (*data).message_as_c_str().map(CStr::to_string_lossy).unwrap_or_default();
         (&*user.cast::<LogCallback>(), message)

@@ -1,8 +1,8 @@
-//! Features of the thesis's texture metric (section 9.1), in plain code: what the compute shaders are compared with, and
-//! what ranks the few blocks that they have found to be nearest.
+//! Features of the thesis's texture metric (section 9.1), in plain code: what the compute shaders are compared with,
+//! and what ranks the few blocks that they have found to be nearest.
 //!
-//! Around a pixel lies a block of s x s pixels. It has 15 histograms of 10 equal bins: for each of the channels red, green
-//! and blue one of the values, over [0, 1], and one of each of four 3x3 edge filters, over [-3, 3]:
+//! Around a pixel lies a block of s x s pixels. It has 15 histograms of 10 equal bins: for each of the channels red,
+//! green and blue one of the values, over [0, 1], and one of each of four 3x3 edge filters, over [-3, 3]:
 //!
 //! ```text
 //! -1  0  1    -1 -1 -1     0  0  3    -3  0  0
@@ -10,9 +10,9 @@
 //! -1  0  1     1  1  1    -3  0  0     0  0  3
 //! ```
 //!
-//! laid over the picture as they stand, rows from the top. A value on the boundary of two bins counts in the upper one, the
-//! upper end in the last. Outside of the picture its nearest pixel goes on. A block begins s / 2 pixels, rounded down, to the
-//! left of and above its pixel; where it would reach over the picture's edge it is moved inside.
+//! laid over the picture as they stand, rows from the top. A value on the boundary of two bins counts in the upper one,
+//! the upper end in the last. Outside of the picture its nearest pixel goes on. A block begins s / 2 pixels, rounded
+//! down, to the left of and above its pixel; where it would reach over the picture's edge it is moved inside.
 //!
 //! The thesis does not say how ranges and borders are handled, nor what is divided by what for s x s pixels of 8 bits;
 //! these are the plainest choices. All of it is integers.
@@ -28,8 +28,8 @@ pub const HISTOGRAMS: usize = 15;
 /// Bins of a histogram.
 pub const BINS: usize = 10;
 
-/// The counts of a block's histograms: histogram 5c of channel c is its colour, 5c + 1 to 5c + 4 its edges in the order of
-/// the filters; bins from low to high.
+/// The counts of a block's histograms: histogram 5c of channel c is its colour, 5c + 1 to 5c + 4 its edges in the order
+/// of the filters; bins from low to high.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Features(pub [[u8; BINS]; HISTOGRAMS]);
 

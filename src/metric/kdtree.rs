@@ -1,9 +1,10 @@
 //! The nearest source blocks of tested blocks in a k-d tree, as the thesis stores them (section 9.1), on the host.
 //!
-//! A k-d tree needs a distance that adds up over its axes, and the metric does not: it adds the roots of 15 histograms. So
-//! the tree looks for the nearest by the Euclidean distance over all 150 counts, of which it finds the nearest exactly, and
-//! the metric says how far those are. Their mean distance is therefore never below that of [`super::BlockSearch`], which
-//! compares by the metric itself; that one is the measure, this one shows what the thesis probably measured.
+//! A k-d tree needs a distance that adds up over its axes, and the metric does not: it adds the roots of 15 histograms.
+//! So the tree looks for the nearest by the Euclidean distance over all 150 counts, of which it finds the nearest
+//! exactly, and the metric says how far those are. Their mean distance is therefore never below that of
+//! [`super::BlockSearch`], which compares by the metric itself; that one is the measure, this one shows what the thesis
+//! probably measured.
 //!
 //! The tree is the crate `kiddo`'s, which sets two conditions:
 //! - Many items in one place would make leaves of any size (flat paint is a single place). So each different block is stored
@@ -12,10 +13,11 @@
 //! - It splits along one axis after the other, and 60,000 blocks make 11 splits: were the counts taken as they come, all of
 //!   them would fall into the first two histograms. So the axes stand in the order of their variance.
 //!
-//! Even so, 150 axes are far too many for a tree to leave out much: for a block unlike the source's it looks at nearly all
-//! (benches/README.md has figures).
+//! Even so, 150 axes are far too many for a tree to leave out much: for a block unlike the source's it looks at nearly
+//! all (benches/README.md has figures).
 //!
-//! Counts and sums of their squares are integers that a float of 32 bits holds, so distances are exact and ties are ties.
+//! Counts and sums of their squares are integers that a float of 32 bits holds, so distances are exact and ties are
+//! ties.
 
 use super::features::{Features, BINS, HISTOGRAMS};
 use super::search::{Neighbour, Source, NEAREST};
@@ -85,9 +87,9 @@ impl KdTree {
         Ok(KdTree { tree, axes, kinds, pixels, count: source.pixels().len(), block_px: source.block_px() })
     }
 
-    /// The `k` nearest source pixels of each tested block by the Euclidean distance over the 150 counts; of equally near ones
-    /// the first in reading order. Those `k` are ordered by the metric's own distance, of equal ones the first in reading
-    /// order.
+    /// The `k` nearest source pixels of each tested block by the Euclidean distance over the 150 counts; of equally
+    /// near ones the first in reading order. Those `k` are ordered by the metric's own distance, of equal ones the
+    /// first in reading order.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a `k` out of [`NEAREST`], or above the number of the source's blocks.
@@ -149,8 +151,9 @@ fn axes(kinds: &[Features]) -> [Axis; AXES] {
         let counts = || kinds.iter().map(move |features| u64::from(features.0[histogram][bin]));
         let n = kinds.len() as u64;
         let (sum, squares) = (counts().sum::<u64>(), counts().map(|count| count * count).sum::<u64>());
-        // kiddo splits at the median, and puts what equals it on the upper side. Where more than half of the blocks have
-        // none of a count, that would leave the lower side empty; from the other end it keeps those that have some.
+        // kiddo splits at the median, and puts what equals it on the upper side. Where more than half of the blocks
+        // have none of a count, that would leave the lower side empty; from the other end it keeps those that have
+        // some.
         let zeros = counts().filter(|count| *count == 0).count() as u64;
         let sign = if zeros * 2 > n { -1.0 } else { 1.0 };
         (n * squares - sum * sum, Axis { histogram, bin, sign })

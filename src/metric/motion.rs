@@ -11,12 +11,12 @@ use std::path::Path;
 const STEPS: f64 = 64.0;
 /// The value of a motion file that is no motion.
 const REST: f64 = 32_768.0;
-/// How far apart, in pixels of the nearer frame, a point and what the next frame shows at its place may be to be the same.
-/// Beyond half a pixel's diagonal, which rounding to whole pixels makes, a slanted surface needs room.
+/// How far apart, in pixels of the nearer frame, a point and what the next frame shows at its place may be to be the
+/// same. Beyond half a pixel's diagonal, which rounding to whole pixels makes, a slanted surface needs room.
 const SAME_PX: f64 = 3.0;
 
-/// For each pixel of a frame the way to its surface's place in the next, in pixels to the right and down; none where the
-/// next frame does not show it, or shows it more than 512 pixels away.
+/// For each pixel of a frame the way to its surface's place in the next, in pixels to the right and down; none where
+/// the next frame does not show it, or shows it more than 512 pixels away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     width: u32,
@@ -25,8 +25,8 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The exact motion of a model that stands still, between two cameras: each pixel's point by its depth, seen by the other
-    /// camera. It is visible there if the other guide has the same object at the place and nearly the same point.
+    /// The exact motion of a model that stands still, between two cameras: each pixel's point by its depth, seen by the
+    /// other camera. It is visible there if the other guide has the same object at the place and nearly the same point.
     ///
     /// # Errors
     /// [`Error::Parameter`] when the guides differ in size or a camera has no projection for it.
@@ -78,8 +78,8 @@ impl Motion {
         Ok(Motion { width, height, way })
     }
 
-    /// Reads a motion file: a picture of 16 bits in which red is 32,768 + 64 times the pixels to the right, green the same
-    /// downwards, and blue 0 where the next frame does not show the surface.
+    /// Reads a motion file: a picture of 16 bits in which red is 32,768 + 64 times the pixels to the right, green the
+    /// same downwards, and blue 0 where the next frame does not show the surface.
     ///
     /// # Errors
     /// As [`crate::paint::PaintSample::load`], and for a picture that has not red, green and blue of 16 bits.

@@ -46,8 +46,8 @@ impl Picture {
         Picture::new(picture.width(), picture.height(), pixels)
     }
 
-    /// The picture with only those pixels inside that are so already and that are light (128 or more in green) and inside
-    /// in `mask`.
+    /// The picture with only those pixels inside that are so already and that are light (128 or more in green) and
+    /// inside in `mask`.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a mask of another size.

@@ -4,8 +4,8 @@ use super::features::block_corner;
 use super::Picture;
 use crate::random;
 
-/// Which pixels of pictures of one size lie deep enough inside the object: with the block around them, and the pixel around
-/// the block that the edge filters see, unless the picture ends there.
+/// Which pixels of pictures of one size lie deep enough inside the object: with the block around them, and the pixel
+/// around the block that the edge filters see, unless the picture ends there.
 pub struct Eligible {
     width: u32,
     height: u32,
@@ -49,7 +49,8 @@ impl Eligible {
     }
 }
 
-/// `count` of the pixels at random, each once, in the order in which they were drawn; all of them if there are not more.
+/// `count` of the pixels at random, each once, in the order in which they were drawn; all of them if there are not
+/// more.
 pub fn choose(mut pixels: Vec<(u32, u32)>, count: usize, seed: u32) -> Vec<(u32, u32)> {
     let count = count.min(pixels.len());
     for i in 0..count {

@@ -38,8 +38,8 @@ pub fn similarity(nearest: &[Vec<Neighbour>]) -> Vec<f64> {
 }
 
 /// Shading error of each tested pixel (section 9.2): the mean shade of its nearest source pixels less the shade that it
-/// should have, 0 to 1. A source pixel's shade is its place along the strip, (x + 0.5) / width. The thesis takes it without
-/// its sign; whether squared it does not say.
+/// should have, 0 to 1. A source pixel's shade is its place along the strip, (x + 0.5) / width. The thesis takes it
+/// without its sign; whether squared it does not say.
 pub fn shading_error(nearest: &[Vec<Neighbour>], source_width: u32, shades: &[f64]) -> Vec<f64> {
     let found = nearest.iter().map(|of_pixel| {
         mean(of_pixel.iter().map(|neighbour| (f64::from(neighbour.pixel.0) + 0.5) / f64::from(source_width)))
@@ -47,8 +47,8 @@ pub fn shading_error(nearest: &[Vec<Neighbour>], source_width: u32, shades: &[f6
     found.zip(shades).map(|(found, shade)| found - shade).collect()
 }
 
-/// Frame-to-frame coherence of each tested pixel (section 9.3): the distance of its block in one frame to the block of the
-/// pixel in the next that is the same place of the picture, or the same point of the object. 0 is perfectly calm.
+/// Frame-to-frame coherence of each tested pixel (section 9.3): the distance of its block in one frame to the block of
+/// the pixel in the next that is the same place of the picture, or the same point of the object. 0 is perfectly calm.
 pub fn coherence(first: &[Features], second: &[Features], block_px: u32) -> Vec<f64> {
     first.iter().zip(second).map(|(first, second)| first.distance(second, block_px)).collect()
 }

@@ -1,12 +1,13 @@
-//! The nearest source blocks of tested blocks by the thesis's metric (section 9.1), on the GPU: exact, by comparing with all.
+//! The nearest source blocks of tested blocks by the thesis's metric (section 9.1), on the GPU: exact, by comparing
+//! with all.
 //!
 //! ```text
 //! picture -> feature_bins -> features (of chosen blocks) --> feature_distance -> feature_nearest -> host: exact order
 //! ```
 //!
-//! A comparison takes 75 multiplications, two terms of the dot products in each, and 15 roots. Since devices may round roots
-//! differently, the device keeps some more than are asked for, and the host compares those in integers and 64-bit roots and
-//! drops the rest.
+//! A comparison takes 75 multiplications, two terms of the dot products in each, and 15 roots. Since devices may round
+//! roots differently, the device keeps some more than are asked for, and the host compares those in integers and 64-bit
+//! roots and drops the rest.
 
 use super::features::{block_corner, check_block, FeatureBins, Features, HISTOGRAMS};
 use super::sampling::Eligible;
@@ -211,8 +212,8 @@ impl BlockSearch {
         Ok(all)
     }
 
-    /// The `k` nearest source pixels of each tested block, nearest first, of equally near ones the first in reading order.
-    /// Of source blocks beyond the k-th whose distances agree with its to 1 in 100,000 any may be taken.
+    /// The `k` nearest source pixels of each tested block, nearest first, of equally near ones the first in reading
+    /// order. Of source blocks beyond the k-th whose distances agree with its to 1 in 100,000 any may be taken.
     ///
     /// # Errors
     /// [`Error::Memory`] when the budget does not allow it, [`Error::Vulkan`] when a call fails.

@@ -17,7 +17,8 @@ impl Shades {
         Shades { width: width.max(1), values }
     }
 
-    /// Reads a grey picture of 8 or 16 bits; of a coloured one, its luminance. Pixels that are not opaque have no shade.
+    /// Reads a grey picture of 8 or 16 bits; of a coloured one, its luminance. Pixels that are not opaque have no
+    /// shade.
     ///
     /// # Errors
     /// As [`crate::paint::PaintSample::load`].

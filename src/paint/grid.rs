@@ -8,8 +8,8 @@ const STEP: u32 = 32;
 
 impl PaintSample {
     /// A grid of dark lines, 16 by 4 fields, on grey that grows lighter with the shade, and a dotted blue line at the
-    /// shade 1/2: along it the light is constant, however the rows of the strip are shifted (figure 5.1). 512x128 pixels;
-    /// its rows repeat.
+    /// shade 1/2: along it the light is constant, however the rows of the strip are shifted (figure 5.1). 512x128
+    /// pixels; its rows repeat.
     pub fn grid() -> Self {
         let pixel = |x: u32, y: u32| {
             let middle = x.abs_diff(SIZE.0 / 2) <= 2;

@@ -5,11 +5,11 @@ use super::separation::TextureDifference;
 impl TextureDifference {
     /// The texture with a sixth of its rows less, whose last row goes on in its first one.
     ///
-    /// The first rows are laid over the last ones, and each column changes from these to those where a minimum-error cut
-    /// passes: the path from left to right with the least sum of squared differences, of equal ones the uppermost (Efros
-    /// and Freeman 2001; thesis 3.2.2). Every value stays in its column. A texture
-    /// whose last row differs from its first one no more than any two rows beside each other repeats already and stays as
-    /// it is, as does one of fewer than 3 rows.
+    /// The first rows are laid over the last ones, and each column changes from these to those where a minimum-error
+    /// cut passes: the path from left to right with the least sum of squared differences, of equal ones the uppermost
+    /// (Efros and Freeman 2001; thesis 3.2.2). Every value stays in its column. A texture whose last row differs from
+    /// its first one no more than any two rows beside each other repeats already and stays as it is, as does one of
+    /// fewer than 3 rows.
     pub fn tileable_rows(&self) -> TextureDifference {
         let (width, height) = (self.width() as usize, self.height() as usize);
         let pixels = self.pixels();

@@ -91,8 +91,8 @@ impl Camera {
         self
     }
 
-    /// The same camera, moved around what it looks at by `degrees`, counter-clockwise about `axis`: with +y, as a turntable
-    /// does it. Near and far planes stay.
+    /// The same camera, moved around what it looks at by `degrees`, counter-clockwise about `axis`: with +y, as a
+    /// turntable does it. Near and far planes stay.
     ///
     /// # Errors
     /// [`Error::Parameter`] for an angle that is not finite, or an axis that is zero or not finite.

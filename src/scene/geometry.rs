@@ -1,9 +1,10 @@
 //! A mesh's vertices and indices on their way to the device, in the order in which it draws them fastest.
 //!
-//! A device keeps the vertices that it transformed last. Where a triangle's neighbours come soon after it, each vertex is
-//! transformed about once, instead of up to six times in the order that some files have, and neighbouring pixels are drawn
-//! together: on lavapipe a picture of a scanned head of 100,000 triangles takes a little more than half the time. The order is Sander, Nehab and Barczak's (*Fast Triangle Reordering for Vertex Locality and
-//! Reduced Overdraw*, 2007), as `meshopt_rs` has it.
+//! A device keeps the vertices that it transformed last. Where a triangle's neighbours come soon after it, each vertex
+//! is transformed about once, instead of up to six times in the order that some files have, and neighbouring pixels are
+//! drawn together: on lavapipe a picture of a scanned head of 100,000 triangles takes a little more than half the time.
+//! The order is Sander, Nehab and Barczak's (*Fast Triangle Reordering for Vertex Locality and Reduced Overdraw*,
+//! 2007), as `meshopt_rs` has it.
 
 use super::Object;
 use crate::gpu::{Buffer, BufferKind, Context, Uploads};

@@ -1,4 +1,5 @@
-//! A render pass that draws a mesh to images of the caller's choice: the guide pass, and what techniques draw themselves.
+//! A render pass that draws a mesh to images of the caller's choice: the guide pass, and what techniques draw
+//! themselves.
 
 use super::{upload_ordered, Camera, Mesh, Solid};
 use crate::gpu::{

@@ -415,8 +415,8 @@ impl Quilt {
         parts
     }
 
-    /// Records the whole synthesis. `seed` and `frame` enter the random choices: one prepared quilting serves any number
-    /// of seeds, and frames of one seed differ. The oracle is this with [`QuiltParams::seed`] and frame 0.
+    /// Records the whole synthesis. `seed` and `frame` enter the random choices: one prepared quilting serves any
+    /// number of seeds, and frames of one seed differ. The oracle is this with [`QuiltParams::seed`] and frame 0.
     pub fn record(&self, recorder: &mut Recorder<'_>, seed: u32, frame: u32) {
         self.record_part(recorder, 0..self.steps.len(), seed, frame);
     }

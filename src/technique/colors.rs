@@ -5,8 +5,8 @@ use crate::paint::Trajectory;
 use crate::{Error, Result};
 use ash::vk;
 
-/// Colours of a row; shade s stands at texel s * (COLORS - 1), as in paint.glsl. So many that the nearest one is as good as
-/// what lies between two: a channel has 256 values.
+/// Colours of a row; shade s stands at texel s * (COLORS - 1), as in paint.glsl. So many that the nearest one is as
+/// good as what lies between two: a channel has 256 values.
 const COLORS: usize = 2048;
 
 /// A row of colours for each paint, dark on the left.

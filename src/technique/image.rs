@@ -1,8 +1,8 @@
 //! Image-based texture synthesis (thesis chapter 6): the best single frames of the four techniques.
 //!
-//! For each pixel the colour comes from the trajectory at its shade, and the texture from guided quilting of the paint's
-//! *difference* image; both are added and clipped. Colour is therefore right at every pixel however coarse the blocks,
-//! and a new colour gradient needs no new synthesis. The background stays transparent.
+//! For each pixel the colour comes from the trajectory at its shade, and the texture from guided quilting of the
+//! paint's *difference* image; both are added and clipped. Colour is therefore right at every pixel however coarse the
+//! blocks, and a new colour gradient needs no new synthesis. The background stays transparent.
 //!
 //! Stages: `image_histogram` and `image_levels` (only with [`ImageParams::levels`]), `image_guide` packs the guide, the
 //! quilting stages run once for each paint, `image_recombine` draws the frame.

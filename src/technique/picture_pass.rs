@@ -1,7 +1,7 @@
 //! A render pass over the pixels of a picture in which something was drawn before.
 //!
-//! Its triangle lies at the far end: the test against the depth of what was drawn leaves out the background, which on some
-//! devices spares all of its work.
+//! Its triangle lies at the far end: the test against the depth of what was drawn leaves out the background, which on
+//! some devices spares all of its work.
 
 use crate::gpu::{
     Attachment, BindingSet, Context, Draw, Framebuffer, Image, ImageDesc, RasterDesc, RasterPipeline, RasterShader,

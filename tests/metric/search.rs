@@ -87,7 +87,8 @@ fn known_blocks_have_known_features_and_distances() {
     // 25.5 rounds down to 25, 51, 76, 102, ...: over two pixels always 51, three rows of it are 153.
     assert_eq!(ramp.0[1], all_in(6));
     assert_eq!(ramp.0[2], all_in(5));
-    // The diagonal ones: 3 * 51 again, since only x counts. The upper right less the lower left, lower right less upper left.
+    // The diagonal ones: 3 * 51 again, since only x counts. The upper right less the lower left, lower right less upper
+    // left.
     assert_eq!([ramp.0[3], ramp.0[4]], [all_in(6), all_in(6)]);
     // Downwards: the second filter, and the diagonals in different senses.
     let down = features(&gray(&|_, y| (f64::from(y) * 25.5) as u8));
@@ -155,7 +156,8 @@ fn a_picture_against_itself_is_at_distance_0_and_a_shuffled_one_is_not() {
     assert!(nearest(&shuffled).iter().all(|found| found[0].distance > 0.02));
 }
 
-/// A source of more than one chunk, of which the last blocks are the nearest; and flat paint, where all are equally near.
+/// A source of more than one chunk, of which the last blocks are the nearest; and flat paint, where all are equally
+/// near.
 #[test]
 fn large_and_flat_sources_are_searched_whole() {
     let gpu = Validated::new();

@@ -126,8 +126,8 @@ fn aligned_frames_equal_a_plain_oracle() {
                 object => oracle.pixel(i % size.0, i / size.0, shade[i as usize], 2 - object as usize),
             })
             .collect();
-        // The hardware's filter has 8 bits for its weights, and trilinear ones of 8-bit texels may be 1.7/255 off, which
-        // the differences' range doubles and contrast may raise by the root of 2.
+        // The hardware's filter has 8 bits for its weights, and trilinear ones of 8-bit texels may be 1.7/255 off,
+        // which the differences' range doubles and contrast may raise by the root of 2.
         let off = share_off(&got, &want, 5);
         eprintln!("{frame:?}: {off:.5} off, {:.5} by more than 2", share_off(&got, &want, 2));
         assert!(off < 0.0005, "{frame:?}: {off} of the pixels are off");

@@ -6,9 +6,9 @@ use crate::Result;
 /// Vertices face the camera directly up to this angle; its cosine.
 const FACING: f32 = 0.866;
 
-/// By how many pixels, to the right and down, a model moves in a picture of `size` = (width, height) from one camera to the
-/// next: the mean way of the vertices that most directly face the first camera (within 30 degrees, or else the one that does
-/// most), as far as both cameras have them before them.
+/// By how many pixels, to the right and down, a model moves in a picture of `size` = (width, height) from one camera to
+/// the next: the mean way of the vertices that most directly face the first camera (within 30 degrees, or else the one
+/// that does most), as far as both cameras have them before them.
 ///
 /// [`super::AlignedFrame::offset_px`], less the sum of these, makes the texture go along with what fills most of the picture,
 /// instead of standing still while the model slides through it.

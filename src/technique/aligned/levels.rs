@@ -1,5 +1,5 @@
-//! The levels of all paints on the device, and their preparation: which part of the strip each comes from, and its way through quilting and tiling
-//! into the volume (thesis chapter 7).
+//! The levels of all paints on the device, and their preparation: which part of the strip each comes from, and its way
+//! through quilting and tiling into the volume (thesis chapter 7).
 
 use super::LevelTexture;
 use crate::gpu::{Context, Image, Recorder, Runner, Uploads};

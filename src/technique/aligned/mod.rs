@@ -68,8 +68,8 @@ pub enum LevelBlend {
 /// How a frame is drawn; may change from frame to frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AlignedFrame {
-    /// Texels of the texture to a pixel of the picture, 0.05 to 4: the scale on s and t. With 1 marks have the size that
-    /// they have in the strip, with 2 half of it. Beyond 1 fine marks begin to alias.
+    /// Texels of the texture to a pixel of the picture, 0.05 to 4: the scale on s and t. With 1 marks have the size
+    /// that they have in the strip, with 2 half of it. Beyond 1 fine marks begin to alias.
     pub density: f32,
     /// Where the texture lies, in pixels of the picture; grows as the texture moves to the left and up. A host lets it
     /// follow what moves ([`screen_displacement`]; thesis chapter 7).

@@ -1,16 +1,16 @@
 //! View-dependent interpolation (thesis chapter 8): important views have textures of their own, all others blend them.
 //!
-//! Prepared once: [`ViewCoverage`] draws the model from the important views and finds out which faces each of them shows
-//! whole, with further views until every face is shown by some; [`DependentTechnique`] then synthesises a texture for each
-//! view by guided quilting, as the image-based technique does for a picture, and stacks them into one 3D image. A face's
-//! place in a slice is where the slice's view shows it. Drawn for every frame: which slices each set of faces takes; a
-//! render pass over the mesh, for shade, set and distance of every pixel; and a pass over its pixels, which finds the
-//! surface's point by the distance and blends the slices. So what is dear is done once for a pixel, however small the
-//! triangles are and however many lie behind one another.
+//! Prepared once: [`ViewCoverage`] draws the model from the important views and finds out which faces each of them
+//! shows whole, with further views until every face is shown by some; [`DependentTechnique`] then synthesises a texture
+//! for each view by guided quilting, as the image-based technique does for a picture, and stacks them into one 3D
+//! image. A face's place in a slice is where the slice's view shows it. Drawn for every frame: which slices each set of
+//! faces takes; a render pass over the mesh, for shade, set and distance of every pixel; and a pass over its pixels,
+//! which finds the surface's point by the distance and blends the slices. So what is dear is done once for a pixel,
+//! however small the triangles are and however many lie behind one another.
 //!
-//! At most [`MAX_BLENDED`] slices are blended for a face ([`blend_weights`]), with the contrast given back that averaging
-//! takes, as in [`super::aligned`]. Neighbouring faces may have different slices: each fades out towards the faces that it
-//! does not show, so that no seam is seen where it ends.
+//! At most [`MAX_BLENDED`] slices are blended for a face ([`blend_weights`]), with the contrast given back that
+//! averaging takes, as in [`super::aligned`]. Neighbouring faces may have different slices: each fades out towards the
+//! faces that it does not show, so that no seam is seen where it ends.
 
 mod blend;
 mod coverage;
@@ -417,14 +417,16 @@ impl DependentTechnique {
     }
 
     /// The views' textures: R8G8B8A8_UNORM, 3D, a slice for each view (one more, empty, where there is only one), the
-    /// difference from [-1, 1] mapped to [0, 1]. Alpha is how far inside the slice's faces a texel lies: with d pixels to
-    /// the next texel that shows none of them, and R a 42nd of the side, (d / R)^2 in 255ths rounded down, 255 at most.
-    /// A slice's weight ([`blend_weights`]) is multiplied by it, at least by 1/255, before the weights are normalised.
+    /// difference from [-1, 1] mapped to [0, 1]. Alpha is how far inside the slice's faces a texel lies: with d pixels
+    /// to the next texel that shows none of them, and R a 42nd of the side, (d / R)^2 in 255ths rounded down, 255 at
+    /// most. A slice's weight ([`blend_weights`]) is multiplied by it, at least by 1/255, before the weights are
+    /// normalised.
     pub fn slices(&self) -> &Image {
         self.volume.image()
     }
 
-    /// The guide of the slice that was prepared last, as [`QuiltGuide::image`]; `None` once the preparation is finished.
+    /// The guide of the slice that was prepared last, as [`QuiltGuide::image`]; `None` once the preparation is
+    /// finished.
     pub fn guide(&self) -> Option<&Image> {
         self.preparation.as_ref().and_then(|preparation| preparation.quilts.first()).and_then(Quilt::guide)
     }
@@ -451,8 +453,8 @@ fn sets_with_paint(mesh: &Mesh, covered: &Covered, paint_of_object: &[u32]) -> (
     (of_face, sets)
 }
 
-/// The eye, and the rays through the pixels: pixel (x, y) sees along [1] + x [2] + y [3], which is 1 long along the view
-/// axis; x and y are 0.5 at the centre of the upper left pixel.
+/// The eye, and the rays through the pixels: pixel (x, y) sees along [1] + x [2] + y [3], which is 1 long along the
+/// view axis; x and y are 0.5 at the centre of the upper left pixel.
 fn rays(camera: &Camera, [width, height, _]: [u32; 3]) -> Result<[[f32; 4]; 4]> {
     let projection = camera.projection(width as f32 / height as f32)?;
     // From the view's axes to the world's.

@@ -60,7 +60,8 @@ impl<'a> ViewCoverage<'a> {
         Ok(())
     }
 
-    /// Takes in the pictures, when all that was recorded has run, and prepares the next round; false when there is none.
+    /// Takes in the pictures, when all that was recorded has run, and prepares the next round; false when there is
+    /// none.
     ///
     /// # Errors
     /// [`Error::Memory`] when the budget does not allow it.

@@ -83,9 +83,9 @@ impl CoordinateParams {
 /// t of every vertex of [`Mesh::positions`], not brought into 0 to 1 (equation 5.1):
 /// t = t of the nearest neighbour that has one + (its step along the orientation / the mesh's extent) * beta + gamma.
 ///
-/// A random vertex begins with a random t; its neighbours queue, and theirs. Along an axis the extent is the mesh's; along
-/// a field it is the range of the steps added up over the mesh, which is the same where the field is constant. A mesh
-/// without extent along the orientation, such as a plane across the axis, has one t but for the variation.
+/// A random vertex begins with a random t; its neighbours queue, and theirs. Along an axis the extent is the mesh's;
+/// along a field it is the range of the steps added up over the mesh, which is the same where the field is constant. A
+/// mesh without extent along the orientation, such as a plane across the axis, has one t but for the variation.
 ///
 /// # Errors
 /// [`Error::Parameter`] for a parameter out of range, a direction that is zero or not finite, or a field that has not one
@@ -98,8 +98,8 @@ pub fn texture_coordinates(mesh: &Mesh, params: &CoordinateParams) -> Result<Vec
     Ok(surface.point_of_vertex.iter().map(|&point| t[point as usize] as f32).collect())
 }
 
-/// How often the strip repeats over a unit of the world along the orientation: beta over the extent, or over the longest
-/// side of the bounding box where there is no extent.
+/// How often the strip repeats over a unit of the world along the orientation: beta over the extent, or over the
+/// longest side of the bounding box where there is no extent.
 ///
 /// # Errors
 /// As [`texture_coordinates`].

@@ -7,12 +7,12 @@
 //! # Where the paint is lost, and what keeps it
 //!
 //! s and t place a point on the strip, and where they hardly change over the surface one texel spreads over all of it:
-//! on flat faces, which have one shade (figure 5.3), and where the light falls along the direction of t, so that s and t
-//! change together (figure 5.2). That is the thesis's failure; [`ObjectParams::keep_paint`] off shows it. With it on, each
-//! pixel compares the texels that the mapping spreads over a piece of surface with those that `repeats` asks for. Where
-//! it is less than a tenth, the texture is faded over to one that does not depend on the shade's slope: the strip laid on
-//! the plane of two world axes that the face lies flattest on, with columns running to and fro in a window of an eighth of
-//! the strip around the pixel's shade. Colour comes from the shade in any case.
+//! on flat faces, which have one shade (figure 5.3), and where the light falls along the direction of t, so that s and
+//! t change together (figure 5.2). That is the thesis's failure; [`ObjectParams::keep_paint`] off shows it. With it on,
+//! each pixel compares the texels that the mapping spreads over a piece of surface with those that `repeats` asks for.
+//! Where it is less than a tenth, the texture is faded over to one that does not depend on the shade's slope: the strip
+//! laid on the plane of two world axes that the face lies flattest on, with columns running to and fro in a window of
+//! an eighth of the strip around the pixel's shade. Colour comes from the shade in any case.
 
 mod coordinates;
 mod nearest;

@@ -1,4 +1,5 @@
-//! The nearest of a set of points from which points are taken away: a k-d tree that counts what is left below each node.
+//! The nearest of a set of points from which points are taken away: a k-d tree that counts what is left below each
+//! node.
 
 use glam::DVec3;
 
