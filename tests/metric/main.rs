@@ -4,6 +4,8 @@
 mod common;
 #[cfg(feature = "cli")]
 mod flip;
+#[cfg(feature = "cli")]
+mod kdtree;
 mod modern;
 mod motion;
 mod search;
