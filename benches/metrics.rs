@@ -1,9 +1,9 @@
 //! What the thesis's metric costs: features, and the search for the 10 nearest among all blocks of a strip.
 //!
-//! `make bench` prints wall and CPU times, median / p95, for the 100 pixels of a measurement and for a map of 64x64, with
-//! the comparisons and their rate. Beside them, for the same 100 blocks, stand the same search in plain code on the host,
-//! which must find the same distances, and the k-d tree's, which searches by another distance, so that its answer is
-//! compared with the exact one. Every round must find what the first found.
+//! `make bench` prints wall and CPU times, median / p95, for the 100 pixels of a measurement and for a map of 64x64,
+//! with the comparisons and their rate. Beside them, for the same 100 blocks, stand the same search in plain code on
+//! the host, which must find the same distances, and the k-d tree's, which searches by another distance, so that its
+//! answer is compared with the exact one. Every round must find what the first found.
 
 use impasto::gpu::{Context, ContextOptions, Runner};
 use impasto::metric::{choose, similarity, BlockSearch, Eligible, Features, KdTree, Neighbour, Picture, Score, Source};
@@ -46,8 +46,8 @@ fn median_and_p95(values: &[f64]) -> String {
     format!("{:.0} / {:.0} ms", at(0.5), at(0.95))
 }
 
-/// CPU time of this process, all threads, milliseconds in steps of 10. Linux only. Where other work shares the cores, or
-/// the device is the CPU itself, this compares better than wall time.
+/// CPU time of this process, all threads, milliseconds in steps of 10. Linux only. Where other work shares the cores,
+/// or the device is the CPU itself, this compares better than wall time.
 fn cpu_ms() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     // Fields 14 and 15 of proc(5); the name before them may hold spaces, but ends with the last bracket.
@@ -71,8 +71,9 @@ fn measured<T: PartialEq>(rounds: usize, mut job: impl FnMut() -> Result<T>) -> 
     Ok((first, times))
 }
 
-/// The exact search on the host, written so that the compiler can use vectors: each histogram padded to 16 counts, their
-/// squares added in integers, the roots in 32 bits; then, as on the device, the best and some more again in 64 bits.
+/// The exact search on the host, written so that the compiler can use vectors: each histogram padded to 16 counts,
+/// their squares added in integers, the roots in 32 bits; then, as on the device, the best and some more again in 64
+/// bits.
 struct Plain {
     padded: Vec<[[u8; 16]; HISTOGRAMS]>,
     blocks: Vec<(Features, (u32, u32))>,

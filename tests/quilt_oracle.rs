@@ -5,7 +5,8 @@ mod quilt_replay;
 
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt_oracle::{
-    block_hash, choice_index, guided_window, overlap_error, quilt_oracle, seam_cut, threshold, OracleGuide, Quilted,
+    block_hash, choice_index, guided_window, overlap_error, quilt_at_random, quilt_oracle, seam_cut, threshold,
+    OracleGuide, Quilted,
 };
 use quilt_replay::{check, hash, Case};
 
@@ -458,4 +459,36 @@ fn a_tileable_quilt_wraps_round_without_a_stronger_seam() {
         let seam = wrap_seam(&plain);
         assert!(seam.iter().all(|&ratio| ratio > 1.5), "seed {seed}, plain: {seam:?}");
     }
+}
+
+// Blocks at random.
+
+#[test]
+fn blocks_at_random_take_every_allowed_position_however_it_fits() {
+    // Flat on the left, where blocks fit without an error, and noise on the right, where they do not.
+    let mut sample = noise_picture(32, 16, 256);
+    (0..32 * 16).filter(|place| place % 32 < 16).for_each(|place| sample[place] = [90; 4]);
+    let params = QuiltParams { seed: 5, ..params(4, 1, false) };
+    let random = |params: &QuiltParams, allowed: [u32; 4]| {
+        quilt_at_random(&sample, (32, 16), (97, 97), params, |_| allowed).map_err(|error| error.to_string())
+    };
+    let sources = random(&params, [0, 0, 28, 12]).expect("sources");
+    assert_eq!(sources.len(), 97 * 97);
+    // 4096 blocks on 29 * 13 positions: of the pixels in the block's middle, all that there are are seen.
+    let seen: std::collections::BTreeSet<_> = sources.iter().filter(|(_, y)| (1..15).contains(y)).collect();
+    assert!(seen.len() > 30 * 14, "{}", seen.len());
+    let flat = sources.iter().filter(|(x, _)| *x < 16).count() as f64 / sources.len() as f64;
+    assert!((flat - 0.5).abs() < 0.05, "{flat}");
+    assert_eq!(sources, random(&params, [0, 0, 28, 12]).expect("sources"));
+    assert_ne!(sources, random(&QuiltParams { seed: 6, ..params }, [0, 0, 28, 12]).expect("sources"));
+    // With one position, block (row, col) begins at (3 col, 3 row), and the cut is the strip's only column.
+    let fixed = random(&params, [7, 5, 7, 5]).expect("sources");
+    for (place, source) in (0u16..).zip(fixed.chunks(97).take(90).flat_map(|row| &row[..90])) {
+        let (x, y) = (place % 90, place / 90);
+        assert_eq!(*source, (7 + x % 3, 5 + y % 3), "{x}, {y}");
+    }
+    for outside in [[0, 0, 29, 12], [0, 0, 28, 13], [2, 0, 1, 12], [0, 2, 28, 1]] {
+        assert!(random(&params, outside).expect_err("refused").contains("within 0, 0 to 28, 12"), "{outside:?}");
+    }
+    assert!(random(&QuiltParams { block_px: 3, ..params }, [0; 4]).expect_err("refused").contains("block_px"));
 }

@@ -3,6 +3,7 @@
 use super::failure::{Failure, Result};
 use super::files::{check_file, Outputs};
 use super::meter::{check_room, load_sample, Figures, Grid, Meter, Pair, SearchFlags, TestFlags, FIGURE_HEADERS};
+use super::metric_tests::{self, MetricTestsArgs};
 use super::picture::{encode, format_of};
 use super::session::Session;
 use super::table::Table;
@@ -26,6 +27,8 @@ enum What {
     Shading(ShadingArgs),
     /// How much a frame changes to the next, in the picture and on the surface (thesis 9.3), with FLIP
     Coherence(CoherenceArgs),
+    /// What the measure of similarity says of textures that are wrong in known ways (thesis 9.1.1 to 9.1.3)
+    Tests(MetricTestsArgs),
 }
 
 #[derive(Args, Debug)]
@@ -124,6 +127,7 @@ pub fn run(args: &MeasureArgs, session: &mut Session) -> Result {
             against_sample(paths, (&args.common, &args.search), shades, session, value, figures)
         }
         What::Coherence(args) => between_frames(args, session),
+        What::Tests(args) => metric_tests::run(args, session),
     }
 }
 

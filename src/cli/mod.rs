@@ -21,6 +21,8 @@ mod files;
 mod film;
 mod measure;
 mod meter;
+mod metric_tests;
+mod metric_tests_page;
 mod motion;
 mod paint;
 mod painter;

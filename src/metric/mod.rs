@@ -7,6 +7,8 @@
 //!                                          \---- two frames ----> coherence
 //! ```
 //!
+//! [`series`] has the textures by which the thesis's measure itself is tested.
+//!
 //! | newer measure | compares | says |
 //! |---|---|---|
 //! | [`cooccurrence_error`] | sample and frame, as textures | which greys lie near each other (Bénard et al. 2009) |
@@ -24,6 +26,7 @@ mod picture;
 mod sampling;
 mod scores;
 mod search;
+pub mod series;
 mod shades;
 mod wasserstein;
 

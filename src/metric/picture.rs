@@ -24,15 +24,27 @@ impl Picture {
     /// # Errors
     /// [`Error::Parameter`] for a side out of 1 to [`MAX_PICTURE_SIDE_PX`], or another number of pixels.
     pub fn new(width: u32, height: u32, pixels: Vec<[u8; 4]>) -> Result<Self> {
+        Self::check_sides(width, height)?;
+        if pixels.len() != width as usize * height as usize {
+            return Err(Error::parameter("pixels of a picture", pixels.len(), format!("{width} x {height}")));
+        }
+        Ok(Picture { width, height, pixels })
+    }
+
+    /// Refuses a side that no picture has, before anybody makes its pixels.
+    pub(super) fn check_sides(width: u32, height: u32) -> Result<()> {
         for (name, side) in [("picture width", width), ("picture height", height)] {
             if !(1..=MAX_PICTURE_SIDE_PX).contains(&side) {
                 return Err(Error::parameter(name, side, format!("1 to {MAX_PICTURE_SIDE_PX} pixels")));
             }
         }
-        if pixels.len() != width as usize * height as usize {
-            return Err(Error::parameter("pixels of a picture", pixels.len(), format!("{width} x {height}")));
-        }
-        Ok(Picture { width, height, pixels })
+        Ok(())
+    }
+
+    /// A picture of the same size; each pixel follows from its place, y * width + x.
+    pub(super) fn map_places(&self, pixel: impl Fn(u32) -> [u8; 4]) -> Picture {
+        let pixels = (0..self.pixels.len() as u32).map(pixel).collect();
+        Picture { width: self.width, height: self.height, pixels }
     }
 
     /// Reads a picture file of any kind that paint is read from; 16-bit values are rounded to 8 bits.

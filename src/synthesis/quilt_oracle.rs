@@ -56,29 +56,15 @@ pub fn quilt_oracle(
     }
     let layout = Layout::new(params, output)?;
     let sample = Sample { pixels: sample, size: sample_size };
-    let mut canvas = Canvas { size: output, source: vec![None; output.0 as usize * output.1 as usize] };
-    let mut placed = vec![false; layout.placements.len()];
     let mut blocks = Vec::new();
-
-    for &index in &layout.order {
-        let placement = &layout.placements[index as usize];
-        let Some(allowed) = allowed_positions(&sample, &canvas, placement, params, guide) else { continue };
+    let canvas = place_blocks(&sample, &layout, params, |canvas, placement, index| {
+        let allowed = allowed_positions(&sample, canvas, placement, params, guide)?;
         let old = canvas.colours(placement, &sample);
         let (sx, sy, error, min_error) = choose(&sample, &old, placement, allowed, params, index);
-
-        let new = sample.block(sx, sy, placement);
-        let active = active_sides(&layout, placement, params.tileable, &placed);
-        let keeps_old = old_side_of_cuts(&old, &new, placement, params.overlap_px, &active);
-        for (i, (dx, dy)) in offsets(placement).enumerate() {
-            if old[i].is_none() || !keeps_old[i] {
-                let at = canvas.index(placement, dx, dy);
-                canvas.source[at] = Some(((sx + dx) as u16, (sy + dy) as u16));
-            }
-        }
-        placed[index as usize] = true;
         let Placement { row, col, x, y, .. } = *placement;
         blocks.push(BlockRecord { row, col, x, y, sx, sy, error, min_error, allowed });
-    }
+        Some((sx, sy))
+    });
 
     let pixels = canvas.source.iter().map(|source| match source {
         Some((x, y)) => {
@@ -88,6 +74,72 @@ pub fn quilt_oracle(
         None => [0; 4],
     });
     Ok(Quilted { width: output.0, height: output.1, pixels: pixels.collect(), source: canvas.source, blocks })
+}
+
+/// As [`quilt_oracle`], but how well a position fits does not matter: each block is taken at random, all positions
+/// alike, from those that `allowed` names for it, `[sx0, sy0, sx1, sy1]` with both ends. Only the cuts look at colours.
+/// This is how the thesis makes pictures of poor texture (section 9.1.3); [`QuiltParams::tolerance`] means nothing
+/// here.
+///
+/// Gives the sample pixel (x, y) that each pixel of the output is a copy of, row by row.
+///
+/// # Errors
+/// [`Error::Parameter`] as [`quilt_oracle`], and for positions at which a block would not lie inside of the sample.
+pub fn quilt_at_random(
+    sample: &[[u8; 4]],
+    sample_size: (u32, u32),
+    output: (u32, u32),
+    params: &QuiltParams,
+    allowed: impl Fn(&Placement) -> [u32; 4],
+) -> Result<Vec<(u16, u16)>> {
+    params.validate(sample_size, output)?;
+    expect_pixels("sample", sample.len(), sample_size)?;
+    let layout = Layout::new(params, output)?;
+    let last = [sample_size.0 - params.block_px, sample_size.1 - params.block_px];
+    for [sx0, sy0, sx1, sy1] in layout.placements.iter().map(&allowed) {
+        if sx0 > sx1 || sx1 > last[0] || sy0 > sy1 || sy1 > last[1] {
+            let value = format!("{sx0}, {sy0} to {sx1}, {sy1}");
+            return Err(Error::parameter("allowed", value, format!("within 0, 0 to {}, {}", last[0], last[1])));
+        }
+    }
+    let sample = Sample { pixels: sample, size: sample_size };
+    let canvas = place_blocks(&sample, &layout, params, |_, placement, index| {
+        let [sx0, sy0, sx1, sy1] = allowed(placement);
+        let columns = sx1 - sx0 + 1;
+        let choice = choice_index(block_hash(params.seed, index, 0), columns * (sy1 - sy0 + 1));
+        Some((sx0 + choice % columns, sy0 + choice / columns))
+    });
+    // Every block was placed, and the blocks cover the output.
+    Ok(canvas.source.into_iter().flatten().collect())
+}
+
+/// Cuts and pastes block by block, in placing order, each from the position of the sample that `choose` takes when it
+/// has seen what is painted so far; none for a block that is to be skipped. It is also told the block's index.
+fn place_blocks(
+    sample: &Sample,
+    layout: &Layout,
+    params: &QuiltParams,
+    mut choose: impl FnMut(&Canvas, &Placement, u32) -> Option<(u32, u32)>,
+) -> Canvas {
+    let size = layout.output;
+    let mut canvas = Canvas { size, source: vec![None; size.0 as usize * size.1 as usize] };
+    let mut placed = vec![false; layout.placements.len()];
+    for &index in &layout.order {
+        let placement = &layout.placements[index as usize];
+        let Some((sx, sy)) = choose(&canvas, placement, index) else { continue };
+        let old = canvas.colours(placement, sample);
+        let new = sample.block(sx, sy, placement);
+        let active = active_sides(layout, placement, params.tileable, &placed);
+        let keeps_old = old_side_of_cuts(&old, &new, placement, params.overlap_px, &active);
+        for (i, (dx, dy)) in offsets(placement).enumerate() {
+            if old[i].is_none() || !keeps_old[i] {
+                let at = canvas.index(placement, dx, dy);
+                canvas.source[at] = Some(((sx + dx) as u16, (sy + dy) as u16));
+            }
+        }
+        placed[index as usize] = true;
+    }
+    canvas
 }
 
 /// Sum of squared RGB differences between what is painted where a block goes and the sample at position (`sx`, `sy`).

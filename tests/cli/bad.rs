@@ -35,6 +35,10 @@ fn wrong_command_lines_are_refused_with_status_2() {
         (&format!("{render} --speed 0.5"), "--speed"),
         (&format!("{render} --speed 0.5:0.5,0.4:0.6"), "--speed"),
         ("paint strip.png -o out --speed 2:1", "--speed"),
+        ("measure tests --block-sizes 4,13", "4..=12"),
+        ("measure tests --block-sizes 8,", "--block-sizes"),
+        ("measure tests --samples 1", "2..=10000"),
+        ("measure tests --nearest 33", "1..=32"),
     ];
     for (line, part) in cases {
         place.fails(line, 2, &[part]);

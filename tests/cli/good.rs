@@ -8,7 +8,20 @@ use std::collections::BTreeSet;
 fn help_names_every_command_and_flag() {
     let place = Place::new();
     let help = place.ok("--help");
-    for command in ["devices", "paint", "quilt", "tile", "render", "demo", "--device", "--validate", "--json"] {
+    for command in [
+        "devices",
+        "paint",
+        "quilt",
+        "tile",
+        "render",
+        "animate",
+        "measure",
+        "compare",
+        "demo",
+        "--device",
+        "--validate",
+        "--json",
+    ] {
         assert!(help.contains(command), "{command}");
     }
     let flags = [
@@ -40,6 +53,13 @@ fn help_names_every_command_and_flag() {
                 "--background",
                 "-o",
             ],
+        ),
+        ("measure tests", vec!["--texture", "--block-sizes", "--samples", "--nearest", "--seed", "-o"]),
+        ("measure coherence", vec!["--motion", "--mask", "--map", "--map-step", "--samples", "--block-size"]),
+        ("compare", vec!["--paint", "--turn", "--nearest", "--search", "-o"]),
+        (
+            "animate",
+            vec!["--frames", "--orbit", "--light-orbit", "--zoom", "--motion", "--shard", "--resume", "--still"],
         ),
         ("demo", vec!["-o", "--size"]),
     ];

@@ -8,6 +8,7 @@ mod bad;
 mod demo;
 mod good;
 mod measure;
+mod metric_tests;
 mod odd;
 mod render;
 mod support;
