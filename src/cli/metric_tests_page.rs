@@ -161,7 +161,8 @@ pub fn html(
     let tested = || subjects.iter().filter(|subject| subject.in_all_tests);
     let stretched = tested().flat_map(|subject| [0.5, 1.0, 2.0].map(|factor| (subject, factor)));
     let stretched = stretched.map(|(subject, factor)| {
-        let copy = both.copy(&subject.picture, factor, seed)?;
+        let side = 2 * subject.picture.width();
+        let copy = padded(&both.copy(&subject.picture, factor, seed)?, side)?;
         Ok((format!("{}, {factor} times as large", subject.name), copy))
     });
     add_pictures(&mut page, stretched)?;
@@ -187,6 +188,21 @@ fn add_plots(page: &mut Page, plots: &[Drawn], test: Test) {
     for plot in plots.iter().filter(|plot| plot.test == test) {
         page.svg(&plot.svg, &plot.title);
     }
+}
+
+/// A picture in the middle of a square with sides of `side` pixels, so that pictures of different sizes are shown alike.
+fn padded(picture: &impasto::metric::Picture, side: u32) -> Result<impasto::metric::Picture> {
+    let (left, top) = (side.saturating_sub(picture.width()) / 2, side.saturating_sub(picture.height()) / 2);
+    let pixel = |place: u32| {
+        let (x, y) = ((place % side).wrapping_sub(left), (place / side).wrapping_sub(top));
+        let inside = x < picture.width() && y < picture.height();
+        if inside {
+            picture.pixels()[(y * picture.width() + x) as usize]
+        } else {
+            [0; 4]
+        }
+    };
+    Ok(impasto::metric::Picture::new(side, side, (0..side * side).map(pixel).collect())?)
 }
 
 /// Pictures three in a row, held by the page itself.
