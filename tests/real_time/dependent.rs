@@ -88,18 +88,7 @@ fn dependent_frames_have_no_gaps_and_move_without_a_jump() {
             Camera::framing(&mesh, &Framing { yaw_deg, pitch_deg, ..Default::default() }, 1.0).expect("a camera");
         let (_, shade, id) = guide(&gpu, &mut runner, &mesh, &camera, &lights, (160, 160));
         runner.run(|recorder| technique.record(recorder, &camera, &lights, Show::Color)).expect("run");
-        let want: Vec<[u8; 4]> = shade
-            .iter()
-            .zip(&id)
-            .map(|(shade, id)| {
-                let [r, g, b] = trajectory.at(*shade).map(|value| (value * 255.0).round() as u8);
-                if *id == 0 {
-                    [0; 4]
-                } else {
-                    [r, g, b, 255]
-                }
-            })
-            .collect();
+        let want = coloured(&trajectory, &shade, &id);
         let off = share_off(&rgba(&mut runner, technique.frame()), &want, 2);
         assert!(off < 0.003, "{yaw_deg}, {pitch_deg}: {off} of the pixels are off, or missing");
         runner.run(|recorder| technique.record(recorder, &camera, &lights, Show::Texture)).expect("run");

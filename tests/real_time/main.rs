@@ -132,6 +132,19 @@ fn guide(
     (pass, shade, id)
 }
 
+/// What a frame shows where colour is all: the trajectory at each pixel's shade.
+fn coloured(trajectory: &Trajectory, shade: &[f32], id: &[u32]) -> Vec<[u8; 4]> {
+    let pixel = |(shade, id): (&f32, &u32)| {
+        let [r, g, b] = trajectory.at(*shade).map(|value| (value * 255.0).round() as u8);
+        if *id == 0 {
+            [0; 4]
+        } else {
+            [r, g, b, 255]
+        }
+    };
+    shade.iter().zip(id).map(pixel).collect()
+}
+
 /// Mean luminance of the pixels of each eighth of the range of shade.
 fn luminance_by_shade(frame: &[[u8; 4]], shade: &[f32], id: &[u32]) -> Vec<f64> {
     let mut bins = vec![(0.0, 0u32); 8];

@@ -47,18 +47,7 @@ fn object_colour_follows_light_and_texture_stays_on_its_lines() {
     let frames = object_frame(&gpu, &mut runner, &mesh, &paints, &[0], &params, &shots);
     for (lights, frame) in lights.iter().zip([&frames[0], &frames[2]]) {
         let (_, shade, id) = guide(&gpu, &mut runner, &mesh, &camera, lights, (200, 200));
-        let want: Vec<[u8; 4]> = shade
-            .iter()
-            .zip(&id)
-            .map(|(shade, id)| {
-                let [r, g, b] = trajectory.at(*shade).map(|value| (value * 255.0).round() as u8);
-                if *id == 0 {
-                    [0; 4]
-                } else {
-                    [r, g, b, 255]
-                }
-            })
-            .collect();
+        let want = coloured(&trajectory, &shade, &id);
         let off = share_off(frame, &want, 2);
         assert!(off < 0.003, "{off} of the colours are off");
     }
