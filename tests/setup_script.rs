@@ -100,7 +100,7 @@ fn root_installs_just_what_is_missing() {
 fn an_old_cargo_is_refused_and_another_system_is_told_what_is_needed() {
     let (output, _) = setup(&Machine { cargo: "cargo 1.65.0", ..WHOLE }, "demo");
     assert_eq!(output.status.code(), Some(1));
-    assert!(errors(&output).contains("cargo 1.65.0 is too old: Rust 1.85 or later"), "{}", errors(&output));
+    assert!(errors(&output).contains("cargo 1.65.0 is too old: Rust 1.88 or later"), "{}", errors(&output));
 
     let (output, _) = setup(&Machine { debian: false, ..WHOLE }, "test");
     assert!(output.status.success(), "{}", errors(&output));
