@@ -323,7 +323,7 @@ fn random_guide(output: (u32, u32), seed: u32, covered: u32, window_px: u32) -> 
         let patch = patches[(y / 11 * (output.0 / 11 + 1) + x / 11) as usize];
         let shade = (x * 255 / output.0.max(2)).wrapping_add(numbers.next() % 40).min(255) as u8;
         let paint = if patch % 256 < covered { 3 } else { (patch / 256 % 5) as u16 };
-        (shade, if numbers.next() % 16 == 0 { 0 } else { paint })
+        (shade, if numbers.next().is_multiple_of(16) { 0 } else { paint })
     };
     Guide { pixels: (0..output.0 * output.1).map(texel).collect(), paint: 3, window_px }
 }

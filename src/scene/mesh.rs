@@ -144,7 +144,7 @@ impl Mesh {
                 return Err(Error::parameter("normals", normals.len(), allowed));
             }
         };
-        if indices.is_empty() || indices.len() % 3 != 0 || indices.len() / 3 > MAX_TRIANGLES {
+        if indices.is_empty() || !indices.len().is_multiple_of(3) || indices.len() / 3 > MAX_TRIANGLES {
             let allowed = format!("three per triangle, for 1 to {MAX_TRIANGLES} triangles");
             return Err(Error::parameter("indices", format!("a list of {}", indices.len()), allowed));
         }

@@ -84,10 +84,14 @@ impl Merge {
         }
         let vertex_count = mesh.positions.len() / 3;
         let arity_sum: usize = mesh.face_arities.iter().map(|&n| n as usize).sum();
-        let fits = mesh.positions.len() % 3 == 0
+        let fits = mesh.positions.len().is_multiple_of(3)
             && mesh.normals.len() == mesh.positions.len()
             && mesh.indices.iter().all(|&i| (i as usize) < vertex_count)
-            && if mesh.face_arities.is_empty() { mesh.indices.len() % 3 == 0 } else { arity_sum == mesh.indices.len() };
+            && if mesh.face_arities.is_empty() {
+                mesh.indices.len().is_multiple_of(3)
+            } else {
+                arity_sum == mesh.indices.len()
+            };
         if !fits {
             return Err(format!("object `{}`: its arrays do not fit together", model.name));
         }

@@ -49,7 +49,7 @@ fn sphere(rings: u32, radius: f32) -> Mesh {
 /// What every mesh promises, whatever it was made of.
 fn assert_sound(mesh: &Mesh) {
     let vertices = mesh.positions().len();
-    assert!(!mesh.indices().is_empty() && mesh.indices().len() % 3 == 0);
+    assert!(!mesh.indices().is_empty() && mesh.indices().len().is_multiple_of(3));
     assert_eq!(mesh.normals().len(), vertices);
     assert!(mesh.positions().iter().flatten().all(|x| x.is_finite()));
     for normal in mesh.normals() {

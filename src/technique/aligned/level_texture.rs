@@ -328,7 +328,10 @@ fn check_header(header: &Header) -> Result<(), String> {
 }
 
 fn parse_trajectory(bytes: &[u8]) -> Result<Trajectory, String> {
-    if bytes.is_empty() || bytes.len() % COLOR_BYTES != 0 || bytes.len() / COLOR_BYTES > LevelTexture::MAX_COLORS {
+    if bytes.is_empty()
+        || !bytes.len().is_multiple_of(COLOR_BYTES)
+        || bytes.len() / COLOR_BYTES > LevelTexture::MAX_COLORS
+    {
         return Err(format!(
             "has a trajectory ({TRAJECTORY_KEY}) of {} bytes, but must have {COLOR_BYTES} for each of 1 to {} colours",
             bytes.len(),
