@@ -52,10 +52,9 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
         return Err(Failure::file(&args.output, "--resume and --shard are for numbered pictures, like DIR/%04d.png"));
     }
     let shot = args.shot.load(session)?;
-    let motion = args.motion.load(shot.camera, args.shot.view.axis(), shot.lights.clone())?;
+    let motion = args.motion.load(shot.camera, args.shot.view.axis(), shot.lights.clone(), session)?;
     // The range of shade is that of the first frame of all, whatever part of them this is.
     let first = motion.at(args.frames.first, &shot.mesh)?;
-    args.motion.report(session);
     session.parameter("frames", args.frames.to_string());
     session.parameter("still", args.still);
     let background = args.shot.background;
@@ -74,7 +73,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let numbers: Vec<u32> = numbers.into_iter().filter(|&n| !(args.resume && target.has(n))).collect();
     session.phase("load");
     if numbers.is_empty() {
-        session.result("rendered", 0, "nothing to do: all frames are there");
+        session.result("rendered", json!({ "frames": 0 }), "nothing to do: all frames are there");
         return Ok(());
     }
 
@@ -99,9 +98,9 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
             painter.follow(&camera, &next)?;
             camera = next;
         }
-        painter.advance(session, &mut device, motion.at(number, &shot.mesh)?, number)?;
+        painter.draw(None, &mut device, motion.at(number, &shot.mesh)?, number)?;
         let frame = painter.frame(&mut device, Show::Painted)?;
-        sink.write(number, background.map_or_else(|| frame.clone(), |color| over(frame.clone(), color)))?;
+        sink.write(number, if let Some(color) = background { over(frame, color) } else { frame })?;
         times.push(started.elapsed().as_secs_f64());
         progress.step();
     }

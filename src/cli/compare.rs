@@ -141,7 +141,7 @@ pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
     outputs.add(args.output.join("motion.png"), png16(width, height, &stage.motion.to_rgb16())?);
     let mut measured = Vec::new();
     let names = names(&strips.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
-    let pictures = strips.iter().map(|(_, strip)| png(over_rgba(strip)?)).collect::<Result<Vec<_>>>()?;
+    let pictures = strips.iter().map(|(_, strip)| png(strip.sample.to_image())).collect::<Result<Vec<_>>>()?;
     for (number, (name, strip)) in strips.into_iter().enumerate() {
         let path = PathBuf::from(name);
         let searched = stage.searched(&mut device, number, &path, sample_picture(&strip.sample)?)?;
@@ -227,14 +227,16 @@ impl Stage<'_> {
         let chosen = args.technique.choose(technique, &args.quilting, self.mesh, None)?;
         let scene = Scene { mesh: self.mesh, camera: self.cameras[0], lights: self.lights.clone(), size: args.size };
         let started = Instant::now();
+        let view = |frame: usize| (self.cameras[frame], self.lights.clone());
         let mut painter = Painter::new(session, device, &scene, paints, &chosen)?;
+        painter.draw(Some(session), device, view(0), 0)?;
         let first = painter.frame(device, Show::Painted)?;
         let prepared = started.elapsed();
         let shades = painter.shades(device)?;
         if paint.number == 0 && technique == TechniqueName::Image {
             outputs.add(args.output.join("shade.png"), gray_png(painter.shade(device)?)?);
         }
-        painter.advance(session, device, (self.cameras[1], self.lights.clone()), 1)?;
+        painter.draw(Some(session), device, view(1), 1)?;
         let second = painter.frame(device, Show::Painted)?;
         session.phase("paint");
         let (frame, next) = (measured_picture(&first)?, measured_picture(&second)?);
@@ -271,8 +273,7 @@ impl Stage<'_> {
         session.phase("measure");
 
         let name = file_name(paint.number, technique);
-        let bytes = png(first.clone())?;
-        outputs.add(args.output.join(format!("{name}.png")), bytes);
+        outputs.add(args.output.join(format!("{name}.png")), png(first.clone())?);
         outputs.add(args.output.join(format!("{name}_next.png")), png(second)?);
         let frame = png(over(first, [255; 3]))?;
         Ok(Measured { paint: paint.number, technique, figures, by_block, frame, map })
@@ -286,10 +287,6 @@ fn file_name(paint: usize, technique: TechniqueName) -> String {
 fn builtin_model() -> Result<Mesh> {
     let bytes = builtin(MODEL).map(|file| file.bytes).unwrap_or_default();
     Ok(Mesh::parse(bytes, MODEL, &MeshOptions::default())?.mesh)
-}
-
-fn over_rgba(strip: &Strip) -> Result<RgbaImage> {
-    super::picture::from_texels(strip.sample.to_rgba8().into_flattened(), (strip.sample.width(), strip.sample.height()))
 }
 
 fn measured_picture(frame: &RgbaImage) -> Result<Picture> {

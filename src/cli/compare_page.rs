@@ -260,7 +260,7 @@ pub fn figures_json(report: &Report) -> Value {
 
 /// What the thesis found, and whether it holds.
 pub fn findings_json(report: &Report) -> Value {
-    let one = |finding: Finding| json!({ "claim": finding.claim, "holds": finding.verdict.word(), "figures": finding.figures });
+    let one = |Finding { claim, verdict, figures, .. }: Finding| json!({ "claim": claim, "holds": verdict.word(), "figures": figures });
     report.findings().into_iter().map(one).collect()
 }
 

@@ -27,19 +27,47 @@ impl Outputs {
     pub fn commit(self) -> Result<Vec<PathBuf>> {
         let mut staged = Vec::with_capacity(self.files.len());
         for (path, bytes) in self.files {
-            let target = target_of(&path)?;
-            let folder = folder_of(&target);
-            fs::create_dir_all(folder).map_err(|error| Failure::file(folder, error))?;
-            let (mut file, temporary) = temporary(&target).map_err(|error| Failure::file(&path, error))?;
-            file.write_all(&bytes).and_then(|()| file.sync_all()).map_err(|error| Failure::file(&path, error))?;
-            staged.push((temporary, target, path));
+            let mut file = Staged::new(&path)?;
+            file.file.write_all(&bytes).map_err(|error| Failure::file(&path, error))?;
+            file.sync()?;
+            staged.push(file);
         }
-        let mut written = Vec::with_capacity(staged.len());
-        for (temporary, target, path) in staged {
-            temporary.rename(&target).map_err(|error| Failure::file(&path, error))?;
-            written.push(path);
-        }
-        Ok(written)
+        staged.into_iter().map(Staged::rename).collect()
+    }
+}
+
+/// A file under a temporary name beside the one that it is for; it goes unless it is renamed.
+pub struct Staged {
+    pub file: File,
+    temporary: Temporary,
+    target: PathBuf,
+    path: PathBuf,
+}
+
+impl Staged {
+    /// Makes an empty one for `path`, and folders where they are missing.
+    pub fn new(path: &Path) -> Result<Self> {
+        let target = target_of(path)?;
+        let folder = folder_of(&target);
+        fs::create_dir_all(folder).map_err(|error| Failure::file(folder, error))?;
+        let (file, temporary) = temporary(&target).map_err(|error| Failure::file(path, error))?;
+        Ok(Staged { file, temporary, target, path: path.to_owned() })
+    }
+
+    /// Where it lies now.
+    pub fn place(&self) -> &Path {
+        self.temporary.0.as_deref().unwrap_or(&self.target)
+    }
+
+    /// Waits until it is on the disk.
+    pub fn sync(&self) -> Result {
+        self.file.sync_all().map_err(|error| Failure::file(&self.path, error))
+    }
+
+    /// Gives it its name, and tells that.
+    pub fn rename(self) -> Result<PathBuf> {
+        self.temporary.rename(&self.target).map_err(|error| Failure::file(&self.path, error))?;
+        Ok(self.path)
     }
 }
 
@@ -163,7 +191,7 @@ fn temporary(target: &Path) -> io::Result<(File, Temporary)> {
         // Not made of the target's name, which may be as long as a name can be.
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let path = folder_of(target).join(format!(".impasto-{}-{count}.tmp", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&path) {
+        match OpenOptions::new().read(true).write(true).create_new(true).open(&path) {
             Ok(file) => return Ok((file, Temporary(Some(path)))),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),

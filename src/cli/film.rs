@@ -5,14 +5,14 @@
 //! are not taken for finished ones. A film is written under a temporary name too, and takes its own at the end.
 
 use super::failure::{Failure, Result};
-use super::files::{check_file, check_folder, Outputs};
+use super::files::{check_file, check_folder, Outputs, Staged};
 use super::picture::{encode, format_of, over};
 use super::values::Size;
 use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, Frame, ImageFormat, RgbaImage};
 use serde_json::Value;
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{sync_channel, Receiver, SyncSender};
@@ -25,8 +25,10 @@ const WRITERS: usize = 2;
 const WAITING: usize = 4;
 /// The file that says what numbered pictures were made by.
 const MADE_BY: &str = "animation.json";
-/// Films that ffmpeg is asked for.
-const FILMS: [&str; 4] = ["mp4", "webm", "mkv", "mov"];
+/// Films that ffmpeg is asked for, by their extension, and what it calls them.
+const FILMS: [(&str, &str); 4] = [("mp4", "mp4"), ("webm", "webm"), ("mkv", "matroska"), ("mov", "mov")];
+/// What a GIF ends with.
+const GIF_TRAILER: u8 = 0x3b;
 
 /// What is to be written.
 pub struct Target {
@@ -38,7 +40,8 @@ pub struct Target {
 enum Kind {
     /// What stands before the number, how many digits it has, what stands after it, and the format.
     Numbered(String, usize, String, ImageFormat),
-    Film,
+    /// What ffmpeg calls it.
+    Film(&'static str),
     Gif,
 }
 
@@ -56,12 +59,12 @@ impl Target {
                 return Err(wrong());
             }
             Kind::Numbered(before.to_owned(), digits, after.to_owned(), format_of(path)?)
-        } else if FILMS.contains(&extension.as_str()) {
-            Kind::Film
+        } else if let Some((_, format)) = FILMS.iter().find(|(name, _)| *name == extension) {
+            Kind::Film(format)
         } else if extension == "gif" {
             Kind::Gif
         } else {
-            let films = FILMS.join(", .");
+            let films = FILMS.map(|(name, _)| name).join(", .");
             let text = format!("must be numbered pictures like DIR/%04d.png, a film .{films}, or a .gif");
             return Err(Failure::file(path, text));
         };
@@ -90,7 +93,7 @@ impl Target {
                 }
                 Ok(())
             }
-            Kind::Film => {
+            Kind::Film(_) => {
                 check_file(&self.path)?;
                 let found = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
                 match found {
@@ -134,40 +137,11 @@ pub struct Sink<'a> {
 
 enum Way {
     Pictures { queue: Option<SyncSender<Job>>, writers: Vec<JoinHandle<()>>, failure: Arc<Mutex<Option<Failure>>> },
-    Film { ffmpeg: Child, input: Option<ChildStdin>, temporary: Unfinished },
-    Gif { encoder: Box<GifEncoder<BufWriter<File>>>, temporary: Unfinished },
+    Film { ffmpeg: Child, input: Option<ChildStdin>, staged: Staged },
+    Gif { encoder: Box<GifEncoder<File>>, staged: Staged },
 }
 
 type Job = (PathBuf, RgbaImage, ImageFormat);
-
-/// A file that goes unless it is finished.
-struct Unfinished(Option<PathBuf>);
-
-impl Unfinished {
-    fn beside(target: &Path) -> Self {
-        let extension = target.extension().unwrap_or_default().to_string_lossy();
-        Unfinished(Some(target.with_file_name(format!(".impasto-{}.{extension}", std::process::id()))))
-    }
-
-    fn path(&self) -> &Path {
-        self.0.as_deref().unwrap_or(Path::new(""))
-    }
-
-    fn rename(mut self, target: &Path) -> Result {
-        fs::rename(self.path(), target).map_err(|error| Failure::file(target, error))?;
-        self.0 = None;
-        Ok(())
-    }
-}
-
-impl Drop for Unfinished {
-    fn drop(&mut self) {
-        if let Some(path) = &self.0 {
-            // Nothing can be done about a temporary file that will not go.
-            let _ = fs::remove_file(path);
-        }
-    }
-}
 
 impl<'a> Sink<'a> {
     /// Opens the target for frames of `size`.
@@ -185,29 +159,31 @@ impl<'a> Sink<'a> {
                 };
                 Way::Pictures { queue: Some(queue), writers: (0..WRITERS).map(writer).collect(), failure }
             }
-            Kind::Film => {
-                let temporary = Unfinished::beside(&target.path);
+            Kind::Film(format) => {
+                let staged = Staged::new(&target.path)?;
                 // Even sides, which the usual colour format of films takes.
                 let pad = "pad=ceil(iw/2)*2:ceil(ih/2)*2,format=yuv420p";
                 let mut ffmpeg = Command::new("ffmpeg")
                     .args(["-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgba"])
                     .args(["-video_size", &size.to_string(), "-framerate", &target.rate.to_string(), "-i", "-"])
-                    .args(["-vf", pad])
-                    .arg(temporary.path())
+                    // A temporary name does not say what is meant.
+                    .args(["-vf", pad, "-f", format])
+                    .arg(staged.place())
                     .stdin(Stdio::piped())
                     .stdout(Stdio::null())
                     .stderr(Stdio::piped())
                     .spawn()
                     .map_err(|error| Failure::file(&target.path, format!("ffmpeg: {error}")))?;
                 let input = ffmpeg.stdin.take();
-                Way::Film { ffmpeg, input, temporary }
+                Way::Film { ffmpeg, input, staged }
             }
             Kind::Gif => {
-                let temporary = Unfinished::beside(&target.path);
-                let file = File::create(temporary.path()).map_err(|error| Failure::file(&target.path, error))?;
-                let mut encoder = GifEncoder::new_with_speed(BufWriter::new(file), 10);
+                let staged = Staged::new(&target.path)?;
+                // Not buffered: what a buffer still holds when it goes may be lost without a word.
+                let file = staged.file.try_clone().map_err(|error| Failure::file(&target.path, error))?;
+                let mut encoder = GifEncoder::new_with_speed(file, 10);
                 encoder.set_repeat(Repeat::Infinite).map_err(|error| Failure::file(&target.path, error))?;
-                Way::Gif { encoder: Box::new(encoder), temporary }
+                Way::Gif { encoder: Box::new(encoder), staged }
             }
         };
         Ok(Sink { target, way, written: Vec::new() })
@@ -235,7 +211,13 @@ impl<'a> Sink<'a> {
                 if let Some(Err(error)) = sent {
                     // What ffmpeg says of it says more.
                     drop(input.take());
-                    return Err(Failure::file(&target.path, format!("ffmpeg: {}", last_words(ffmpeg, &error))));
+                    let mut said = Vec::new();
+                    if let Some(stderr) = &mut ffmpeg.stderr {
+                        // What cannot be read says nothing.
+                        let _ = stderr.read_to_end(&mut said);
+                    }
+                    let words = last_line(&said).unwrap_or_else(|| error.to_string());
+                    return Err(Failure::file(&target.path, format!("ffmpeg: {words}")));
                 }
             }
             Way::Gif { encoder, .. } => {
@@ -259,37 +241,36 @@ impl<'a> Sink<'a> {
                 let failed = failure.lock().ok().and_then(|mut failure| failure.take());
                 failed.map_or(Ok(self.written), Err)
             }
-            Way::Film { mut ffmpeg, mut input, temporary } => {
+            Way::Film { ffmpeg, mut input, staged } => {
                 drop(input.take());
-                let output = ffmpeg.wait().map_err(|error| Failure::file(path, error))?;
-                if !output.success() {
-                    let words = last_words(&mut ffmpeg, &"it failed");
+                // Takes in what it says while it waits, so that neither waits for the other.
+                let output = ffmpeg.wait_with_output().map_err(|error| Failure::file(path, error))?;
+                if !output.status.success() {
+                    let words = last_line(&output.stderr).unwrap_or_else(|| "it failed".to_owned());
                     return Err(Failure::file(path, format!("ffmpeg: {words}")));
                 }
-                temporary.rename(path)?;
-                Ok(vec![path.clone()])
+                Ok(vec![staged.rename()?])
             }
-            Way::Gif { encoder, temporary } => {
-                // Its trailer is written when it goes.
+            Way::Gif { encoder, mut staged } => {
+                // Its trailer is written when it goes, and nobody says whether that went well.
                 drop(encoder);
-                temporary.rename(path)?;
-                Ok(vec![path.clone()])
+                let mut last = [0];
+                let read = staged.file.seek(SeekFrom::End(-1)).and_then(|_| staged.file.read_exact(&mut last));
+                read.map_err(|error| Failure::file(path, error))?;
+                if last != [GIF_TRAILER] {
+                    return Err(Failure::file(path, "its end could not be written"));
+                }
+                staged.sync()?;
+                Ok(vec![staged.rename()?])
             }
         }
     }
 }
 
-/// What a program has said on its standard error, or that it has failed.
-fn last_words(ffmpeg: &mut Child, otherwise: &dyn std::fmt::Display) -> String {
-    let mut text = String::new();
-    if let Some(stderr) = &mut ffmpeg.stderr {
-        // Text that cannot be read says nothing.
-        let _ = std::io::Read::read_to_string(stderr, &mut text);
-    }
-    match text.lines().rfind(|line| !line.trim().is_empty()) {
-        Some(line) => line.to_owned(),
-        None => otherwise.to_string(),
-    }
+/// The last line of what a program has said.
+fn last_line(text: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(text);
+    text.lines().rfind(|line| !line.trim().is_empty()).map(str::to_owned)
 }
 
 fn write_pictures(jobs: &Mutex<Receiver<Job>>, failure: &Mutex<Option<Failure>>) {

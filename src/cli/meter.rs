@@ -15,6 +15,8 @@ use std::path::Path;
 
 /// Cells along the longer side of a map.
 const MAP_CELLS: u32 = 64;
+/// Pixels between two steps of the progress bar.
+const TOGETHER: usize = 256;
 
 /// Which pixels are tested, and how large the blocks around them are.
 #[derive(Args, Debug, Clone)]
@@ -129,11 +131,15 @@ impl Meter {
 
     /// Prepares the strip in file `path` to be searched.
     pub fn strip(&self, device: &mut Device, path: &Path, strip: &Picture, block_px: u32) -> Result<Strip> {
-        let fail = |error| Failure::file(path, format!("{error} (--nearest, --block-size)"));
+        let fail = |error: impasto::Error| match error {
+            // The library knows nothing of flags.
+            impasto::Error::Parameter { .. } => Failure::file(path, format!("{error} (--nearest, --block-size)")),
+            error => Failure::file(path, error),
+        };
         let source = self.search.source(&mut device.runner, strip, block_px).map_err(fail)?;
         let tree = match self.way.search {
             SearchName::Exact => None,
-            SearchName::Kdtree => Some(KdTree::new(&source)?),
+            SearchName::Kdtree => Some(KdTree::new(&source).map_err(fail)?),
         };
         Ok(Strip { source, tree })
     }
@@ -214,9 +220,6 @@ impl<'a> Pair<'a> {
         Ok(coherence(&first, &second, self.block_px))
     }
 }
-
-/// Pixels between two steps of the progress bar.
-const TOGETHER: usize = 256;
 
 /// The pixels of a map: every so many pixels, so that the longer side has [`MAP_CELLS`] cells or as many as `step`
 /// says.

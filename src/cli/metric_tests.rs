@@ -6,6 +6,7 @@
 
 use super::failure::{Failure, Result};
 use super::files::{check_folder, Outputs};
+use super::meter::sample_picture;
 use super::metric_tests_page as page;
 use super::session::{device_json, Device, Session};
 use clap::Args;
@@ -210,7 +211,7 @@ fn load(path: &Path) -> Result<Picture> {
         let reason = format!("{width}x{height} pixels, but must be a square with sides of {least} to {most} pixels");
         return Err(Failure::file(path, reason));
     }
-    Ok(Picture::new(width, height, sample.to_rgba8())?)
+    sample_picture(&sample)
 }
 
 /// All curves, still without points.

@@ -190,7 +190,8 @@ fn add_plots(page: &mut Page, plots: &[Drawn], test: Test) {
     }
 }
 
-/// A picture in the middle of a square with sides of `side` pixels, so that pictures of different sizes are shown alike.
+/// A picture in the middle of a square with sides of `side` pixels, so that pictures of different sizes are shown
+/// alike.
 fn padded(picture: &impasto::metric::Picture, side: u32) -> Result<impasto::metric::Picture> {
     let (left, top) = (side.saturating_sub(picture.width()) / 2, side.saturating_sub(picture.height()) / 2);
     let pixel = |place: u32| {

@@ -116,8 +116,9 @@ impl Frames {
 }
 
 impl MotionFlags {
-    /// The motion of a scene whose first frame looks through `camera` in `lights`; the camera goes around `axis`.
-    pub fn load(&self, camera: Camera, axis: Vec3, lights: Lights) -> Result<Motion> {
+    /// The motion of a scene whose first frame looks through `camera` in `lights`; the camera goes around `axis`. Adds
+    /// the flags to the report..
+    pub fn load(&self, camera: Camera, axis: Vec3, lights: Lights, session: &mut Session) -> Result<Motion> {
         if !(0.5..=2.0).contains(&self.zoom) {
             return Err(Failure::new(format!("--zoom is {}, but must be from 0.5 to 2", self.zoom)));
         }
@@ -129,19 +130,16 @@ impl MotionFlags {
             light_keys: Vec::new(),
             per_frame: Some([self.orbit, self.zoom, self.light_orbit]),
         };
-        if let Some(path) = &self.motion {
-            let file = read(path)?;
-            motion = Motion { per_frame: None, camera_keys: file.camera, light_keys: file.light, ..motion };
-        }
-        Ok(motion)
-    }
-
-    /// Adds the flags to the report.
-    pub fn report(&self, session: &mut Session) {
         session.parameter("orbit", number(self.orbit));
         session.parameter("zoom", number(self.zoom));
         session.parameter("light_orbit", number(self.light_orbit));
         session.parameter("motion", self.motion.as_ref().map(|path| path.display().to_string()));
+        if let Some(path) = &self.motion {
+            let file = read(path)?;
+            session.parameter("keyframes", format!("{file:?}"));
+            motion = Motion { per_frame: None, camera_keys: file.camera, light_keys: file.light, ..motion };
+        }
+        Ok(motion)
     }
 }
 

@@ -26,7 +26,7 @@ pub struct Scene<'a> {
     pub size: Size,
 }
 
-/// A scene, ready to be painted or painted already.
+/// A scene, ready to be drawn frame by frame.
 pub struct Painter<'a> {
     scene: &'a Scene<'a>,
     camera: Camera,
@@ -45,7 +45,8 @@ enum Prepared {
 }
 
 impl<'a> Painter<'a> {
-    /// Draws the guides, and prepares the technique up to the frame's drawing.
+    /// Prepares the technique up to the first frame's drawing. The scene's camera and lights are those that the range
+    /// of shade is found for.
     pub fn new(
         session: &mut Session,
         device: &mut Device,
@@ -58,8 +59,8 @@ impl<'a> Painter<'a> {
         let mut uploads = Uploads::default();
         let guides = GuidePass::new(&context, &mut uploads, scene.mesh, size)?;
         device.upload(&mut uploads)?;
-        device.runner.run(|recorder| guides.record(recorder, &scene.camera, &scene.lights))?;
         let range = if chosen.levels {
+            device.runner.run(|recorder| guides.record(recorder, &scene.camera, &scene.lights))?;
             let shade = floats(&device.runner.read_image(guides.shade())?);
             ShadeRange::of_guide(&shade, &words(&device.runner.read_image(guides.id())?))
         } else {
@@ -75,7 +76,6 @@ impl<'a> Painter<'a> {
                     ImageTechnique::new(&context, &mut uploads, &stages, &guides, &all, &paints.of_object, &params)?;
                 device.upload(&mut uploads)?;
                 session.phase("prepare");
-                synthesise(session, device, &technique, seed, 0)?;
                 Prepared::Image(technique)
             }
             Technique::Object(params) => {
@@ -132,11 +132,12 @@ impl<'a> Painter<'a> {
         Ok(Painter { scene, camera: scene.camera, lights: scene.lights.clone(), guides, technique, range, seed })
     }
 
-    /// Goes on to frame `number`, with another camera and other lights: draws the guides, and synthesises anew what is
-    /// synthesised for every frame. The range of shade stays.
-    pub fn advance(
+    /// Draws what frame `number` is made of, through a camera and in lights: the guides, and what is synthesised anew
+    /// for every frame, with a progress bar of the `session` if one is given. The range of shade stays, but for
+    /// image-based synthesis, which finds that of every frame.
+    pub fn draw(
         &mut self,
-        session: &Session,
+        session: Option<&Session>,
         device: &mut Device,
         (camera, lights): (Camera, Lights),
         number: u32,
@@ -245,11 +246,16 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// Synthesises a frame with a progress bar.
-fn synthesise(session: &Session, device: &mut Device, technique: &ImageTechnique, seed: u32, number: u32) -> Result {
+/// Synthesises a frame.
+fn synthesise(
+    session: Option<&Session>,
+    device: &mut Device,
+    technique: &ImageTechnique,
+    seed: u32,
+    number: u32,
+) -> Result {
     let parts = technique.parts(PART_COMPARISONS);
-    // Further frames are quick steps of a bar that others show.
-    let progress = (number == 0).then(|| session.progress("painting", parts.len()));
+    let progress = session.map(|session| session.progress("painting", parts.len()));
     for part in parts {
         device.runner.run(|recorder| {
             technique.record_part(recorder, &part, seed, number);

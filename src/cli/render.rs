@@ -45,8 +45,10 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.shot.size)?;
     session.phase("setup");
+    let view = (shot.camera, shot.lights.clone());
     let scene = Scene { mesh: &shot.mesh, camera: shot.camera, lights: shot.lights, size: args.shot.size };
-    let painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
+    let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
+    painter.draw(Some(session), &mut device, view, 0)?;
     session.phase("synthesis");
 
     let mut outputs = Outputs::default();

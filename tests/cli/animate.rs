@@ -61,6 +61,18 @@ fn an_interrupted_run_goes_on_and_leaves_what_is_finished() {
 }
 
 #[test]
+fn pictures_of_other_keyframes_are_not_taken_for_finished() {
+    let place = Place::new();
+    let line = "animate scene.obj --paint strip.png --size 32x32 --technique object --frames 0..1 -o out/%d.png \
+                --motion keys.json --resume";
+    fs::write(place.path("keys.json"), r#"{"camera": [{"frame": 1, "orbit": 5}]}"#).expect("written");
+    place.ok(line);
+    assert!(place.ok(line).contains("nothing to do"));
+    fs::write(place.path("keys.json"), r#"{"camera": [{"frame": 1, "orbit": 6}]}"#).expect("written");
+    place.fails(line, 1, &["animation.json", "other parameters"]);
+}
+
+#[test]
 fn keyframes_say_where_camera_and_light_are() {
     let place = Place::new();
     let keys = r#"{"camera": [{"frame": 0, "orbit": 0}, {"frame": 4, "orbit": 28, "distance": 1}],
