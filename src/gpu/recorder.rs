@@ -209,6 +209,21 @@ impl<'a> Recorder<'a> {
         });
     }
 
+    /// Writes `data` to the start of a buffer, from the command buffer itself: for small things that change with every
+    /// frame. Its length is a multiple of 4 bytes, and no more than the buffer has.
+    pub(crate) fn update_buffer(&mut self, name: &'static str, buffer: &Buffer, data: &[u8]) {
+        /// The most that one command may carry.
+        const MOST_BYTES: usize = 65_536;
+        let data = &data[..data.len().min(buffer.bytes() as usize) / 4 * 4];
+        self.pass(name, &[Use::Buffer(buffer, Access::TransferWrite)], |device, commands| {
+            for (part, bytes) in (0..).zip(data.chunks(MOST_BYTES)) {
+                // SAFETY: the buffer is live, made for transfers, and at least as large as `data`; each part is a
+                // multiple of 4 bytes and within the limit.
+                unsafe { device.cmd_update_buffer(commands, buffer.handle(), part * MOST_BYTES as u64, bytes) };
+            }
+        });
+    }
+
     /// Fills an image with the tightly packed texels in `from`.
     pub(crate) fn upload_image(&mut self, name: &'static str, from: &Buffer, to: &Image) {
         let uses = [Use::Buffer(from, Access::TransferRead), Use::Image(to, Access::TransferDiscard)];

@@ -1,0 +1,108 @@
+//! What changes from frame to frame: where the camera is, how the scene is lit, and where its objects are.
+
+use super::camera::Camera;
+use super::light::Lights;
+use crate::error::{Error, Result};
+use glam::{DMat4, DQuat, DVec3, Vec3};
+
+/// Where an object is: turned and moved from its place in the mesh, and as large as it is there.
+///
+/// A point p of the mesh is at rotation * p + translation in world space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    rotation: DQuat,
+    translation: DVec3,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self::REST
+    }
+}
+
+impl Pose {
+    /// Where the mesh has it.
+    pub const REST: Pose = Pose { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
+
+    /// Turned by `degrees`, counter-clockwise about an axis through `center`, then moved by `way`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an angle or a vector that is not finite or beyond 1e15, or an axis that is zero.
+    pub fn new(degrees: f32, axis: Vec3, center: Vec3, way: Vec3) -> Result<Self> {
+        if !degrees.is_finite() {
+            return Err(Error::parameter("turn", degrees, "finite"));
+        }
+        for (name, vector) in [("axis", axis), ("center", center), ("way", way)] {
+            if !vector.is_finite() || vector.abs().max_element() > 1e15 {
+                return Err(Error::parameter(name, vector, "finite and within 1e15"));
+            }
+        }
+        let axis = axis.as_dvec3().try_normalize().ok_or_else(|| Error::parameter("axis", axis, "not zero"))?;
+        let rotation = DQuat::from_axis_angle(axis, f64::from(degrees).to_radians());
+        let center = center.as_dvec3();
+        Ok(Self { rotation, translation: center - rotation * center + way.as_dvec3() })
+    }
+
+    /// From the mesh to world space.
+    pub fn matrix(&self) -> DMat4 {
+        DMat4::from_rotation_translation(self.rotation, self.translation)
+    }
+
+    /// A world-space direction, as the object has it.
+    pub fn to_object(&self, direction: Vec3) -> Vec3 {
+        (self.rotation.inverse() * direction.as_dvec3()).as_vec3()
+    }
+
+    /// A world-space point, as the object has it.
+    pub fn point_to_object(&self, point: Vec3) -> Vec3 {
+        (self.rotation.inverse() * (point.as_dvec3() - self.translation)).as_vec3()
+    }
+}
+
+/// The scene at one moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// Where it is seen from.
+    pub camera: Camera,
+    /// How it is lit.
+    pub lights: Lights,
+    /// Where the mesh's objects are, in their order; objects beyond the last pose are at rest.
+    pub poses: Vec<Pose>,
+}
+
+impl Moment {
+    /// All objects at rest.
+    pub fn at_rest(camera: Camera, lights: Lights) -> Self {
+        Self { camera, lights, poses: Vec::new() }
+    }
+
+    /// Where an object is.
+    pub fn pose(&self, object: usize) -> Pose {
+        self.poses.get(object).copied().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_turns_about_its_center_then_moves() {
+        // A quarter turn about the vertical through (1, 0, 0) takes (2, 5, 0) to (1, 5, -1); then 10 to the right.
+        let pose = Pose::new(90.0, Vec3::Y, Vec3::X, 10.0 * Vec3::X).expect("a pose");
+        let to = pose.matrix().transform_point3(DVec3::new(2.0, 5.0, 0.0));
+        assert!((to - DVec3::new(11.0, 5.0, -1.0)).length() < 1e-9, "{to}");
+        assert!((pose.point_to_object(to.as_vec3()) - Vec3::new(2.0, 5.0, 0.0)).length() < 1e-5);
+        assert!((pose.to_object(Vec3::NEG_Z) - Vec3::X).length() < 1e-6);
+        assert_eq!(Pose::default().matrix(), DMat4::IDENTITY);
+    }
+
+    #[test]
+    fn what_is_no_pose_is_refused() {
+        let bad = f32::NAN;
+        assert!(Pose::new(bad, Vec3::Y, Vec3::ZERO, Vec3::ZERO).is_err());
+        assert!(Pose::new(1.0, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO).is_err());
+        assert!(Pose::new(1.0, Vec3::Y, Vec3::splat(bad), Vec3::ZERO).is_err());
+        assert!(Pose::new(1.0, Vec3::Y, Vec3::ZERO, Vec3::splat(1e20)).is_err());
+    }
+}
