@@ -3,7 +3,7 @@
 use crate::gpu::{RasterShader, Shader};
 use crate::metric;
 use crate::scene;
-use crate::synthesis::{quilt, tile_mask, volume};
+use crate::synthesis::{quilt, repair, tile_mask, volume};
 use crate::technique::{aligned, dependent, image, object};
 
 /// The table of each compute shader, with the path of its source below glsl/. A test fails when one is missing.
@@ -11,17 +11,20 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
     vec![
         ("synthesis/quilt_guide.comp", quilt::QUILT_GUIDE),
         ("synthesis/quilt_search.comp", quilt::QUILT_SEARCH),
+        ("synthesis/quilt_match.comp", quilt::QUILT_MATCH),
         ("synthesis/quilt_place.comp", quilt::QUILT_PLACE),
+        ("synthesis/repair_fit.comp", repair::REPAIR_FIT),
+        ("synthesis/repair_keep.comp", repair::REPAIR_KEEP),
         ("synthesis/tile_mask.comp", tile_mask::TILE_MASK),
         ("synthesis/volume_slice.comp", volume::VOLUME_SLICE),
         ("metric/feature_bins.comp", metric::FEATURE_BINS),
         ("metric/features.comp", metric::FEATURES),
         ("metric/feature_distance.comp", metric::FEATURE_DISTANCE),
         ("metric/feature_nearest.comp", metric::FEATURE_NEAREST),
-        ("technique/image_histogram.comp", image::IMAGE_HISTOGRAM),
-        ("technique/image_levels.comp", image::IMAGE_LEVELS),
         ("technique/image_guide.comp", image::IMAGE_GUIDE),
         ("technique/image_recombine.comp", image::IMAGE_RECOMBINE),
+        ("technique/image_carry.comp", image::IMAGE_CARRY),
+        ("technique/image_settle.comp", image::IMAGE_SETTLE),
         ("technique/dependent_blend.comp", dependent::DEPENDENT_BLEND),
         ("technique/dependent_feather.comp", dependent::DEPENDENT_FEATHER),
     ]

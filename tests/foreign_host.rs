@@ -63,7 +63,7 @@ fn by_runner(guided: bool) -> Vec<u8> {
         let desc = ImageDesc::storage_2d(OUTPUT.0, OUTPUT.1, vk::Format::R32_UINT);
         let image = Image::new(&gpu.context, "guide", &desc).expect("guide");
         uploads.image(&gpu.context, &image, bytemuck::cast_slice(&guide_texels())).expect("guide");
-        QuiltGuide { image, paint: PAINT, window_px: WINDOW_PX }
+        QuiltGuide { image, paint: PAINT, window_px: WINDOW_PX, previous: None }
     });
     let quilt = quilting(&gpu.context, &mut uploads, guide);
     let mut runner = gpu.runner();
@@ -116,7 +116,12 @@ fn assert_silent(messages: &[String]) {
 fn by_host(host: &Host, device: HostDevice, guide: Option<&HostImage>) -> Vec<u8> {
     let context = borrow(device);
     let mut uploads = Uploads::default();
-    let guide = guide.map(|image| QuiltGuide { image: wrapped(&context, image), paint: PAINT, window_px: WINDOW_PX });
+    let guide = guide.map(|image| QuiltGuide {
+        image: wrapped(&context, image),
+        paint: PAINT,
+        window_px: WINDOW_PX,
+        previous: None,
+    });
     let quilt = quilting(&context, &mut uploads, guide);
     host.run(|commands| {
         let mut recorder = recorder(&context, commands);

@@ -12,7 +12,7 @@ use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
 use impasto::synthesis::tile_mask::TileMask;
 use impasto::synthesis::tile_oracle::tile_oracle;
 use impasto::technique::image::{ImageParams, ImageTechnique};
-use impasto::technique::{Paint, Show};
+use impasto::technique::{Paint, ShadeRange, Show};
 
 /// Two boxes, the second one behind and above the first.
 const BOXES: &str = "
@@ -226,10 +226,16 @@ struct OracleFrame {
     pixels: Vec<[u8; 4]>,
 }
 
-fn oracle_frame(guide: &Guide, paints: &[Paint<'_>], paint_of_object: &[u32], params: &ImageParams) -> OracleFrame {
+fn oracle_frame(
+    guide: &Guide,
+    paints: &[Paint<'_>],
+    paint_of_object: &[u32],
+    params: &ImageParams,
+    levels: bool,
+) -> OracleFrame {
     let mut tone = guide.shade.clone();
     let covered: Vec<bool> = guide.id.iter().map(|&id| id != 0).collect();
-    if params.levels {
+    if levels {
         let mut bins: Vec<u32> =
             tone.iter().zip(&covered).filter(|(_, c)| **c).map(|(s, _)| (s * 1023.0 + 0.5) as u32).collect();
         bins.sort_unstable();
@@ -279,7 +285,8 @@ fn image_technique_equals_the_oracle() {
     let paints: Vec<Paint<'_>> = strips.iter().map(|(texture, trajectory)| Paint { texture, trajectory }).collect();
     for levels in [false, true] {
         let quilt = QuiltParams { block_px: 16, overlap_px: 4, seed: 5, ..Default::default() };
-        let params = ImageParams { quilt, k: Some(1.5), levels };
+        let range = if levels { ShadeRange::of_guide(&guide.shade, &guide.id) } else { ShadeRange::default() };
+        let params = ImageParams { quilt, k: Some(1.5), range, previous: None };
         let mut uploads = Uploads::default();
         let stages = QuiltStages::new(&gpu.context).expect("stages");
         let technique = ImageTechnique::new(&gpu.context, &mut uploads, &stages, &pass, &paints, &[0, 1], &params)
@@ -291,7 +298,7 @@ fn image_technique_equals_the_oracle() {
                 Ok(())
             })
             .expect("run");
-        let want = oracle_frame(&guide, &paints, &[0, 1], &params);
+        let want = oracle_frame(&guide, &paints, &[0, 1], &params, levels);
         let tone = floats(&runner.read_image(technique.shade()).expect("tone"));
         let off = tone.iter().zip(&want.tone).zip(&guide.id).filter(|(_, id)| **id != 0);
         assert!(off.clone().count() > 3000);
@@ -373,7 +380,7 @@ fn real_models_and_paint_give_the_oracles_frame() {
             })
             .expect("run");
         let got: Vec<[u8; 4]> = bytemuck::pod_collect_to_vec(&runner.read_image(technique.frame()).expect("frame"));
-        let want = oracle_frame(&guide, &paints, &objects, &params);
+        let want = oracle_frame(&guide, &paints, &objects, &params, false);
         assert!(largest_difference(&got, &want.pixels) <= 1, "{model} with {paint}");
     }
 }

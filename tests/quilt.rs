@@ -35,7 +35,7 @@ impl Guide {
         let desc = ImageDesc::storage_2d(size.0, size.1, ash::vk::Format::R32_UINT);
         let image = Image::new(context, "guide", &desc).expect("guide");
         uploads.image(context, &image, bytemuck::cast_slice(&texels)).expect("guide");
-        QuiltGuide { image, paint: u32::from(self.paint), window_px: self.window_px }
+        QuiltGuide { image, paint: u32::from(self.paint), window_px: self.window_px, previous: None }
     }
 }
 

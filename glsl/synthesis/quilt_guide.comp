@@ -8,6 +8,7 @@
 // Out: state and allowed columns of every block. Integer arithmetic throughout.
 #extension GL_GOOGLE_include_directive : require
 #include "quilt.glsl"
+#include "guided.glsl"
 
 layout(local_size_x = 128) in;
 
@@ -26,18 +27,6 @@ layout(push_constant) uniform Push {
 shared uint count;
 shared uint sum;
 
-// floor(a * b / d) for a <= d < 2^24 and b < 2^14, by long division: the product does not fit 32 bits.
-uint scaled(uint a, uint b, uint d) {
-    uint quotient = 0;
-    uint rest = 0;
-    for (int bit = 13; bit >= 0; bit--) {
-        rest = 2 * rest + (((b >> bit) & 1u) != 0 ? a : 0);
-        quotient = 2 * quotient + rest / d;
-        rest %= d;
-    }
-    return quotient;
-}
-
 void main() {
     // In two dimensions, because one of them need not reach beyond 65,535.
     uint index = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
@@ -45,7 +34,6 @@ void main() {
         return;
     }
     uint lane = gl_LocalInvocationID.x;
-    uint last = push.sample_width - push.block_px;
     if (lane == 0) {
         count = 0;
         sum = 0;
@@ -73,19 +61,16 @@ void main() {
     if (lane != 0) {
         return;
     }
-    uint sx0 = 0;
-    uint sx1 = last;
+    uvec2 window = uvec2(0, push.sample_width - push.block_px);
     uint state = STATE_PENDING;
     if (push.guided != 0) {
         if (count == 0) {
             state = STATE_SKIPPED;
         } else {
-            uint x0 = scaled(sum, push.sample_width, 255 * count);
-            sx0 = min(x0 - min(x0, push.window_px), last);
-            sx1 = min(x0 + push.window_px, last);
+            window = guided_window(sum, count, push.sample_width, push.block_px, push.window_px);
         }
     }
-    blocks[index].sx0 = sx0;
-    blocks[index].sx1 = sx1;
+    blocks[index].sx0 = window.x;
+    blocks[index].sx1 = window.y;
     blocks[index].state = state;
 }

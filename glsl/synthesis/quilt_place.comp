@@ -249,8 +249,8 @@ void main() {
     bool joined[4];
     joined[LEFT] = (col > 0 || wraps) && placed(row, col > 0 ? col - 1 : push.columns - 1);
     joined[TOP] = (row > 0 || wraps) && placed(row > 0 ? row - 1 : push.rows - 1, col);
-    joined[RIGHT] = wraps && placed(row, col + 1 < push.columns ? col + 1 : 0);
-    joined[BOTTOM] = wraps && placed(row + 1 < push.rows ? row + 1 : 0, col);
+    joined[RIGHT] = (col + 1 < push.columns || wraps) && placed(row, col + 1 < push.columns ? col + 1 : 0);
+    joined[BOTTOM] = (row + 1 < push.rows || wraps) && placed(row + 1 < push.rows ? row + 1 : 0, col);
     for (uint side = 0; side < 4; side++) {
         if (joined[side]) {
             cut(block, side);

@@ -1,7 +1,7 @@
 #version 450
 // Image-based technique: the shade that is painted, and the guide of the synthesis (thesis chapter 6).
 //
-// In:  shade and object ID of the guide pass, the paint of each object; with levels on, the range that becomes 0 to 1.
+// In:  shade and object ID of the guide pass, the paint of each object; the range of shade that becomes 0 to 1.
 // Out: tone, the shade in use; guide, shade in 8 bits in the low byte and the paint's number (from 1) in the high half.
 
 layout(local_size_x = 16, local_size_y = 8) in;
@@ -9,12 +9,12 @@ layout(local_size_x = 16, local_size_y = 8) in;
 layout(binding = 0, r32f) uniform readonly image2D shade;
 layout(binding = 1, r32ui) uniform readonly uimage2D id;
 layout(binding = 2, std430) readonly buffer PaintOfObject { uint paint_of_object[]; };
-layout(binding = 3, std430) readonly buffer Levels { vec2 levels; };
-layout(binding = 4, r32f) uniform writeonly image2D tone;
-layout(binding = 5, r32ui) uniform writeonly uimage2D guide;
+layout(binding = 3, r32f) uniform writeonly image2D tone;
+layout(binding = 4, r32ui) uniform writeonly uimage2D guide;
 
 layout(push_constant) uniform Push {
-    uint levels;
+    // The shades that become 0 and 1.
+    float low, high;
 } push;
 
 void main() {
@@ -30,8 +30,8 @@ void main() {
     }
     float s = imageLoad(shade, p).r;
     // A flat model has no range to spread.
-    if (push.levels != 0 && levels.y > levels.x) {
-        s = (s - levels.x) / (levels.y - levels.x);
+    if (push.high > push.low) {
+        s = (s - push.low) / (push.high - push.low);
     }
     s = clamp(s, 0.0, 1.0);
     // Not to be fused into one operation, so that every device rounds alike.

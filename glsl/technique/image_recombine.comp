@@ -4,6 +4,8 @@
 // stay.
 // In:  tone, guide, the synthesis's source coordinates, the paint's texture difference and trajectory.
 // Out: frame, straight alpha, background 0.
+#extension GL_GOOGLE_include_directive : require
+#include "recombine.glsl"
 
 layout(local_size_x = 16, local_size_y = 8) in;
 
@@ -38,11 +40,5 @@ void main() {
     vec3 color = mix(colors[i].rgb, colors[min(i + 1, colors.length() - 1)].rgb, place - float(i));
     uint from = imageLoad(source, p).r;
     vec3 texture_difference = imageLoad(difference, ivec2(from & 0xffffu, from >> 16)).rgb;
-    vec3 shown = color + texture_difference;
-    if (push.show == 1) {
-        shown = color;
-    } else if (push.show == 2) {
-        shown = 0.5 + 0.5 * texture_difference;
-    }
-    imageStore(frame, p, vec4(clamp(shown, 0.0, 1.0), 1.0));
+    imageStore(frame, p, recombined(color, texture_difference, push.show));
 }

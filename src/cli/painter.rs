@@ -38,7 +38,7 @@ pub struct Painter<'a> {
 }
 
 enum Prepared {
-    Image(ImageTechnique),
+    Image(ImageTechnique, Option<Image>, Option<(Camera, impasto::scene::Guide)>),
     Object(ObjectTechnique),
     Aligned(AlignedTechnique, AlignedFrame),
     Dependent(Box<DependentTechnique>, CoverageReport),
@@ -69,14 +69,22 @@ impl<'a> Painter<'a> {
         let seed = chosen.quilt.seed;
         let technique = match &chosen.technique {
             Technique::Image => {
-                let params = ImageParams { quilt: chosen.quilt, k: chosen.k, levels: chosen.levels };
+                let params = ImageParams { quilt: chosen.quilt, k: chosen.k, range, previous: None };
                 let stages = QuiltStages::new(&context)?;
                 let all = paints.all()?;
-                let technique =
+                let mut technique =
                     ImageTechnique::new(&context, &mut uploads, &stages, &guides, &all, &paints.of_object, &params)?;
+                let mut mi = None;
+                if std::env::var("CARRY").is_ok() {
+                    let image = Image::new(&context, "motion", &impasto::gpu::ImageDesc::storage_2d(size.0, size.1, ash::vk::Format::R32_UINT))?;
+                    let stretch = std::env::var("STRETCH").ok().and_then(|s| s.parse().ok()).unwrap_or(1.25);
+                    let slack = std::env::var("SLACK").ok().and_then(|s| s.parse().ok()).unwrap_or(0.5);
+                    technique.carry(&context, &mut uploads, &image, &impasto::synthesis::repair::RepairParams{stretch, slack})?;
+                    mi = Some(image);
+                }
                 device.upload(&mut uploads)?;
                 session.phase("prepare");
-                Prepared::Image(technique)
+                Prepared::Image(technique, mi, None)
             }
             Technique::Object(params) => {
                 let all = paints.all()?;
@@ -144,7 +152,39 @@ impl<'a> Painter<'a> {
     ) -> Result {
         (self.camera, self.lights) = (camera, lights);
         device.runner.run(|recorder| self.guides.record(recorder, &self.camera, &self.lights))?;
-        if let Prepared::Image(technique) = &self.technique {
+        if let Prepared::Image(technique, mi, last) = &mut self.technique {
+            if let Some(mi) = mi {
+                let size = self.scene.size.pair();
+                let guide = impasto::scene::Guide {
+                    width: size.0, height: size.1,
+                    shade: floats(&device.runner.read_image(self.guides.shade())?),
+                    id: words(&device.runner.read_image(self.guides.id())?),
+                    depth: floats(&device.runner.read_image(self.guides.depth())?),
+                };
+                if let Some((camera, before)) = last {
+                    let motion = impasto::metric::Motion::between([&self.camera, camera], [&guide, before])?;
+                    let w: Vec<u32> = motion.to_rgb16().iter().map(|[x, y, b]| if *b == 0 { 0 } else { u32::from(*x) | u32::from(*y) << 16 }).collect();
+                    let mut uploads = Uploads::default();
+                    let context = device.context.clone();
+                    uploads.image(&context, mi, bytemuck::cast_slice(&w))?;
+                    device.upload(&mut uploads)?;
+                    let t = std::time::Instant::now();
+                    let c = cpu();
+                    device.runner.run(|recorder| { technique.record_next(recorder, self.seed, number); Ok(()) })?;
+                    let (mut kept, mut skipped) = (0, 0);
+                    for quilt in technique.quilts() { 
+                        let b = device.runner.read_buffer(quilt.block_buffer())?;
+                        let w = words(&b);
+                        for r in w.chunks(11) { if r[6] == 0 { skipped += 1 } else { kept += 1 } }
+                    }
+                    let placed: usize = words(&device.runner.read_image(technique.quilts().next().unwrap().source())?).iter().filter(|w| **w != u32::MAX).count();
+                    eprintln!("{number}: {:.0} ms cpu {:.0} ms, blocks {kept} skipped {skipped}; pasted px {placed} = {:.1} %", t.elapsed().as_secs_f64()*1e3, cpu() - c, 100.0*placed as f64 / guide.id.iter().filter(|i| **i != 0).count() as f64);
+                } else {
+                    synthesise(session, device, technique, self.seed, number)?;
+                }
+                *last = Some((self.camera, guide));
+                return Ok(());
+            }
             synthesise(session, device, technique, self.seed, number)?;
         }
         Ok(())
@@ -163,7 +203,7 @@ impl<'a> Painter<'a> {
     pub fn frame(&self, device: &mut Device, show: Show) -> Result<RgbaImage> {
         let (camera, lights, size) = (&self.camera, &self.lights, self.scene.size);
         device.runner.run(|recorder| match &self.technique {
-            Prepared::Image(technique) => {
+            Prepared::Image(technique, ..) => {
                 technique.record_recombine(recorder, show);
                 Ok(())
             }
@@ -176,7 +216,7 @@ impl<'a> Painter<'a> {
 
     fn image(&self) -> &Image {
         match &self.technique {
-            Prepared::Image(technique) => technique.frame(),
+            Prepared::Image(technique, ..) => technique.frame(),
             Prepared::Object(technique) => technique.frame(),
             Prepared::Aligned(technique, _) => technique.frame(),
             Prepared::Dependent(technique, _) => technique.frame(),
@@ -194,7 +234,7 @@ impl<'a> Painter<'a> {
     /// The shade in use at every pixel, 0 to 1; 0 in the background.
     pub fn shades(&self, device: &mut Device) -> Result<Vec<f32>> {
         Ok(match &self.technique {
-            Prepared::Image(technique) => floats(&device.runner.read_image(technique.shade())?),
+            Prepared::Image(technique, ..) => floats(&device.runner.read_image(technique.shade())?),
             _ => {
                 let shade = floats(&device.runner.read_image(self.guides.shade())?);
                 shade.into_iter().map(|shade| self.range.spread(shade)).collect()
@@ -233,7 +273,7 @@ impl<'a> Painter<'a> {
     /// What was chosen for the blocks of each paint; none but in image-based synthesis.
     pub fn blocks(&self, device: &mut Device) -> Result<Vec<Vec<BlockRecord>>> {
         let mut all = Vec::new();
-        if let Prepared::Image(technique) = &self.technique {
+        if let Prepared::Image(technique, ..) = &self.technique {
             for quilt in technique.quilts() {
                 all.push(quilt.read_records(&mut device.runner)?);
             }
@@ -282,6 +322,7 @@ pub fn prepare_levels(session: &mut Session, device: &mut Device, levels: &Level
     Ok(())
 }
 
+fn cpu() -> f64 { let s = std::fs::read_to_string("/proc/self/stat").unwrap(); let f: Vec<&str> = s.rsplit(')').next().unwrap().split_whitespace().collect(); (f[11].parse::<f64>().unwrap() + f[12].parse::<f64>().unwrap()) * 10.0 }
 fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }

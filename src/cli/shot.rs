@@ -53,7 +53,7 @@ impl ShotFlags {
         let name = self.technique.technique;
         let paints = self.paints.load(&mesh, name == TechniqueName::Aligned, session)?;
         let chosen = self.technique.options.choose(name, &self.quilting, &mesh, paints.prepared()?)?;
-        let window = ImageParams { quilt: chosen.quilt, k: chosen.k, levels: chosen.levels };
+        let window = ImageParams { quilt: chosen.quilt, k: chosen.k, ..ImageParams::default() };
         // A k out of range is told before any work.
         window.window_px(1)?;
         for (file, strip) in paints.strips() {

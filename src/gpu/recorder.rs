@@ -201,11 +201,26 @@ impl<'a> Recorder<'a> {
         });
     }
 
-    /// Sets all of a buffer to zero.
-    pub(crate) fn clear_buffer(&mut self, name: &'static str, buffer: &Buffer) {
-        self.pass(name, &[Use::Buffer(buffer, Access::TransferWrite)], |device, commands| {
-            // SAFETY: the buffer is live and made for transfers; the whole of it is filled.
-            unsafe { device.cmd_fill_buffer(commands, buffer.handle(), 0, vk::WHOLE_SIZE, 0) };
+    /// Copies all texels of `from` to `to`, which has its size and format.
+    pub(crate) fn copy_image(&mut self, name: &'static str, from: &Image, to: &Image) {
+        let uses = [Use::Image(from, Access::TransferRead), Use::Image(to, Access::TransferDiscard)];
+        let [width, height, depth] = from.size_px();
+        let layers = vk::ImageSubresourceLayers {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            layer_count: 1,
+            ..Default::default()
+        };
+        let region = vk::ImageCopy {
+            src_subresource: layers,
+            dst_subresource: layers,
+            extent: vk::Extent3D { width, height, depth },
+            ..Default::default()
+        };
+        let layouts = [Access::TransferRead.info().layout, Access::TransferDiscard.info().layout];
+        self.pass(name, &uses, |device, commands| {
+            let (source, target) = (from.handle(), to.handle());
+            // SAFETY: both images are live, of one size, of a colour format, and in these layouts.
+            unsafe { device.cmd_copy_image(commands, source, layouts[0], target, layouts[1], &[region]) };
         });
     }
 

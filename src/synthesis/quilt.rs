@@ -11,6 +11,7 @@
 //! texels) and, for each pixel, where in the sample it came from.
 
 use super::params::{BlockRecord, Layout, QuiltParams};
+use super::repair::{FitPush, KeepPush};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Runner,
     Shader, Uploads,
@@ -54,6 +55,21 @@ pub(crate) const QUILT_SEARCH: Shader = Shader {
         BindingKind::Buffer(Access::ComputeWrite),
     ],
     push_bytes: size_of::<SearchPush>() as u32,
+};
+
+pub(crate) const QUILT_MATCH: Shader = Shader {
+    name: "quilt_match",
+    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_match.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeWrite),
+        BindingKind::Buffer(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<MatchPush>() as u32,
 };
 
 pub(crate) const QUILT_PLACE: Shader = Shader {
@@ -118,6 +134,19 @@ struct SearchPush {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct MatchPush {
+    output: [u32; 2],
+    sample_height: u32,
+    block_px: u32,
+    first_block: u32,
+    first_group: u32,
+    groups_per_block: u32,
+    canvas_weight: u32,
+    previous_weight: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct PlacePush {
     output: [u32; 2],
     sample_height: u32,
@@ -153,6 +182,12 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             output sample_width block_px guided paint window_px),
         shared!("synthesis/quilt_search.comp", "uniform Push", SearchPush,
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block),
+        shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,
+            output sample_height block_px first_block first_group groups_per_block canvas_weight previous_weight),
+        shared!("synthesis/repair_fit.comp", "uniform Push", FitPush,
+            output sample block_px overlap_px columns rows paint window_px slack least most),
+        shared!("synthesis/repair_keep.comp", "uniform Push", KeepPush,
+            sample block_px overlap_px columns rows paint),
         shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
             output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
             frame),
@@ -164,6 +199,7 @@ pub struct QuiltStages {
     guide: ComputePipeline,
     /// One for each size of chunk, 4, 5 and 6.
     search: [ComputePipeline; 3],
+    matching: ComputePipeline,
     place: ComputePipeline,
 }
 
@@ -177,6 +213,7 @@ impl QuiltStages {
         Ok(Arc::new(QuiltStages {
             guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
             search: [search(4)?, search(5)?, search(6)?],
+            matching: ComputePipeline::new(context, &QUILT_MATCH)?,
             place: ComputePipeline::new(context, &QUILT_PLACE)?,
         }))
     }
@@ -227,6 +264,10 @@ impl SampleTexels {
         Ok(SampleTexels { image: texels, squares, size })
     }
 
+    pub(super) fn image(&self) -> &Image {
+        &self.image
+    }
+
     /// Width and height of the sample, pixels.
     pub fn size(&self) -> (u32, u32) {
         self.size
@@ -247,6 +288,32 @@ fn summed_squares(texels: &[[u8; 4]], width: usize, height: usize) -> Vec<u32> {
     table
 }
 
+/// How blocks match the picture that was synthesised before (thesis chapter 6).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PreviousWeight(
+    /// How much a pixel of that picture counts against one of the overlap: 0.25 to 3 in steps of 0.25, less for blocks
+    /// over 37 px.
+    pub f32,
+);
+
+/// What a pixel of the overlap counts where a picture before does too, so that it may count less.
+const OVERLAP_WEIGHT: u32 = 4;
+/// So many weighted squared differences of colours fit into 32 bits.
+const MOST_WEIGHTED_PX: u32 = u32::MAX / (3 * 255 * 255);
+
+impl PreviousWeight {
+    /// The weight against [`OVERLAP_WEIGHT`].
+    fn units(self, block_px: u32) -> Result<u32> {
+        let most = (MOST_WEIGHTED_PX / (block_px * block_px) - OVERLAP_WEIGHT).min(12);
+        let units = f64::from(self.0) * f64::from(OVERLAP_WEIGHT);
+        if units.fract() != 0.0 || units < 1.0 || units > f64::from(most) {
+            let allowed = format!("0.25 to {} in steps of 0.25 for blocks of {block_px} px", f64::from(most) / 4.0);
+            return Err(Error::parameter("weight of the previous frame", self.0, allowed));
+        }
+        Ok(units as u32)
+    }
+}
+
 /// What guides a synthesis (thesis chapter 6).
 #[derive(Clone)]
 pub struct QuiltGuide {
@@ -257,43 +324,63 @@ pub struct QuiltGuide {
     pub paint: u32,
     /// How far, in columns, a block's position may lie from x0 = L * W_sample: k times the block size.
     pub window_px: u32,
+    /// Whether, and how much, each block is also to match the picture that this quilting made before, which keeps a
+    /// sequence calm; [`Quilt::forget`] begins anew.
+    pub previous: Option<PreviousWeight>,
 }
 
 #[derive(Debug, Clone)]
 enum Step {
-    /// Clear the canvas, reset the blocks.
-    Begin,
     /// Search for blocks `order[blocks]`, groups of positions `groups`.
     Search { blocks: Range<u32>, groups: Range<u32> },
     /// Place the same blocks.
     Place { blocks: Range<u32> },
 }
 
+/// What a search compares a block with.
+enum Search {
+    /// What is painted in its overlaps.
+    Overlap(BindingSet),
+    /// What is painted on the canvas and on another picture; how much a pixel of either counts.
+    Weighted { set: BindingSet, canvas_weight: u32, previous_weight: u32 },
+}
+
+/// Waves of blocks, and what places them in this order.
+pub(super) struct Waves {
+    search: Search,
+    place_set: BindingSet,
+    /// With their cost in pixel comparisons.
+    steps: Vec<(Step, u64)>,
+}
+
 /// One quilting, ready to be recorded.
 pub struct Quilt {
     stages: Arc<QuiltStages>,
-    params: QuiltParams,
-    layout: Layout,
-    sample_size: (u32, u32),
-    guide: Option<QuiltGuide>,
+    pub(super) params: QuiltParams,
+    pub(super) layout: Layout,
+    pub(super) sample_size: (u32, u32),
+    pub(super) guide: Option<QuiltGuide>,
     canvas: Image,
     source: Image,
-    blocks: Buffer,
+    /// The canvas of the synthesis before, if blocks are to match it.
+    previous: Option<Image>,
+    pub(super) blocks: Buffer,
     guide_set: BindingSet,
-    search_set: BindingSet,
-    place_set: BindingSet,
+    waves: Waves,
+    errors: [Buffer; 2],
     groups_per_block: u32,
-    /// Which of the search's pipelines.
-    chunk: usize,
-    steps: Vec<(Step, u64)>,
+    /// Blocks that the buffers of errors have room for.
+    batch: u32,
+    most_groups: u32,
 }
 
 impl Quilt {
     /// Prepares to quilt `output` = (width, height) pixels from `sample`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for parameters out of range (see [`QuiltParams::validate`]), a guide that is not of the
-    /// output's size and a guide's paint that is not 1 to 65535; [`Error::Memory`] when the budget does not allow it.
+    /// [`Error::Parameter`] for parameters out of range (see [`QuiltParams::validate`] and [`PreviousWeight`]), a guide
+    /// that is not of the output's size and a guide's paint that is not 1 to 65535; [`Error::Memory`] when the budget
+    /// does not allow it.
     pub fn new(
         context: &Context,
         uploads: &mut Uploads,
@@ -314,6 +401,8 @@ impl Quilt {
                 return Err(Error::parameter("guide size", format!("{}x{}", size[0], size[1]), allowed));
             }
         }
+        let previous = guide.as_ref().and_then(|guide| guide.previous);
+        let previous_weight = previous.map(|weight| weight.units(params.block_px)).transpose()?;
         let layout = Layout::new(params, output)?;
         let all_columns = sample.size.0 - params.block_px + 1;
         let columns = match &guide {
@@ -325,9 +414,7 @@ impl Quilt {
         let block_bytes = u64::from(groups_per_block) * u64::from(GROUP * TILE) * 4;
         let longest = layout.waves.iter().map(Vec::len).max().unwrap_or(1) as u64;
         let batch = (ERRORS_BYTES / block_bytes).clamp(1, longest) as u32;
-        let steps = steps(params, &layout, groups_per_block, batch, context.caps().max_group_count_x);
 
-        let order: Vec<u32> = layout.waves.iter().flatten().copied().collect();
         let data: Vec<BlockData> = layout
             .placements
             .iter()
@@ -336,27 +423,26 @@ impl Quilt {
         let desc = ImageDesc::storage_2d(output.0, output.1, vk::Format::R32_UINT);
         let canvas = Image::new(context, "quilt canvas", &desc)?;
         let source = Image::new(context, "quilt source", &desc)?;
+        let picture = |_| Image::new(context, "quilt previous", &desc);
+        let previous = previous_weight.map(picture).transpose()?;
         let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
         let blocks = storage("quilt blocks", size_of_val(&data[..]) as u64)?;
-        let order_buffer = storage("quilt order", size_of_val(&order[..]) as u64)?;
         let errors = storage("quilt errors", block_bytes * u64::from(batch))?;
         let minima = storage("quilt group minima", u64::from(groups_per_block) * u64::from(batch) * 4)?;
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
-        uploads.buffer(context, &order_buffer, bytemuck::cast_slice(&order))?;
         let guide_image = guide.as_ref().map_or(&sample.image, |guide| &guide.image);
-        let (s, q, c, b, o, e, m) = (&sample.image, &sample.squares, &canvas, &blocks, &order_buffer, &errors, &minima);
-        let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), b.into()])?;
-        let chunk = chunk(params);
-        let search_set = BindingSet::new(
-            context,
-            &stages.search[chunk],
-            &[s.into(), q.into(), c.into(), b.into(), o.into(), e.into(), m.into()],
-        )?;
-        let place_set = BindingSet::new(
-            context,
-            &stages.place,
-            &[s.into(), c.into(), (&source).into(), b.into(), o.into(), e.into(), m.into()],
-        )?;
+        let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), (&blocks).into()])?;
+        let errors = [errors, minima];
+        let most_groups = context.caps().max_group_count_x;
+        let weights = previous_weight.map(|weight| [OVERLAP_WEIGHT, weight]);
+        let compared = previous.as_ref().zip(weights);
+        let targets = Targets { stages, sample, canvas: &canvas, source: &source, blocks: &blocks, errors: &errors };
+        let order = targets.order(context, uploads, &layout.waves)?;
+        let waves = Waves {
+            search: targets.search(context, &order, params, compared)?,
+            place_set: targets.place_set(context, &order)?,
+            steps: steps(params, &layout.waves, groups_per_block, batch, most_groups),
+        };
         Ok(Quilt {
             stages: stages.clone(),
             params: *params,
@@ -365,13 +451,35 @@ impl Quilt {
             guide,
             canvas,
             source,
+            previous,
             blocks,
             guide_set,
-            search_set,
-            place_set,
+            waves,
+            errors,
             groups_per_block,
-            chunk,
-            steps,
+            batch,
+            most_groups,
+        })
+    }
+
+    /// Other waves of the same blocks, which match the canvas where it is painted on any side, and `previous` with a
+    /// weight against it.
+    pub(super) fn other_waves(
+        &self,
+        context: &Context,
+        uploads: &mut Uploads,
+        sample: &SampleTexels,
+        waves: &[Vec<u32>],
+        (previous, weights): (&Image, [u32; 2]),
+    ) -> Result<Waves> {
+        let (canvas, source) = (&self.canvas, &self.source);
+        let targets =
+            Targets { stages: &self.stages, sample, canvas, source, blocks: &self.blocks, errors: &self.errors };
+        let order = targets.order(context, uploads, waves)?;
+        Ok(Waves {
+            search: targets.search(context, &order, &self.params, Some((previous, weights)))?,
+            place_set: targets.place_set(context, &order)?,
+            steps: steps(&self.params, waves, self.groups_per_block, self.batch, self.most_groups),
         })
     }
 
@@ -385,6 +493,7 @@ impl Quilt {
         &self.source
     }
 
+    pub fn block_buffer(&self) -> &Buffer { &self.blocks }
     /// What guides it.
     pub(crate) fn guide(&self) -> Option<&Image> {
         self.guide.as_ref().map(|guide| &guide.image)
@@ -397,76 +506,89 @@ impl Quilt {
 
     /// Pixel comparisons of the whole search, an upper bound where a guide skips blocks.
     pub fn comparisons(&self) -> u64 {
-        self.steps.iter().filter(|(step, _)| matches!(step, Step::Search { .. })).map(|(_, cost)| cost).sum()
+        self.waves.steps.iter().filter(|(step, _)| matches!(step, Step::Search { .. })).map(|(_, cost)| cost).sum()
     }
 
     /// Cuts the steps into parts of at most about `comparisons` pixel comparisons, to be submitted one by one.
     pub fn parts(&self, comparisons: u64) -> Vec<Range<usize>> {
         let mut parts = Vec::new();
         let (mut begin, mut sum) = (0, 0);
-        for (i, (_, cost)) in self.steps.iter().enumerate() {
+        for (i, (_, cost)) in self.waves.steps.iter().enumerate() {
             if sum + cost > comparisons && i > begin {
                 parts.push(begin..i);
                 (begin, sum) = (i, 0);
             }
             sum += cost;
         }
-        parts.push(begin..self.steps.len());
+        parts.push(begin..self.waves.steps.len());
         parts
     }
 
     /// Records the whole synthesis. `seed` and `frame` enter the random choices: one prepared quilting serves any
     /// number of seeds, and frames of one seed differ. The oracle is this with [`QuiltParams::seed`] and frame 0.
     pub fn record(&self, recorder: &mut Recorder<'_>, seed: u32, frame: u32) {
-        self.record_part(recorder, 0..self.steps.len(), seed, frame);
+        self.record_part(recorder, 0..self.waves.steps.len(), seed, frame);
     }
 
     /// Records some of the steps, as [`Quilt::parts`] gives them; the parts of one synthesis must be recorded in order.
     /// Steps that there are not record nothing.
     pub fn record_part(&self, recorder: &mut Recorder<'_>, part: Range<usize>, seed: u32, frame: u32) {
+        if part.start == 0 {
+            self.record_begin(recorder);
+        }
+        self.record_waves(recorder, &self.waves, part, seed, frame);
+    }
+
+    /// Records that the next synthesis matches no picture before it.
+    pub fn forget(&self, recorder: &mut Recorder<'_>) {
+        recorder.clear_images("quilt_clear", &[&self.canvas]);
+    }
+
+    /// Clears the canvas, and finds what there is to place.
+    fn record_begin(&self, recorder: &mut Recorder<'_>) {
+        if let Some(previous) = &self.previous {
+            recorder.copy_image("quilt_previous", &self.canvas, previous);
+        }
+        recorder.clear_images("quilt_clear", &[&self.canvas, &self.source]);
+        let push = GuidePush {
+            output: [self.layout.output.0, self.layout.output.1],
+            sample_width: self.sample_size.0,
+            block_px: self.params.block_px,
+            guided: u32::from(self.guide.is_some()),
+            paint: self.guide.as_ref().map_or(0, |guide| guide.paint),
+            // More than a sample is wide makes no difference, and stays clear of overflow.
+            window_px: self.guide.as_ref().map_or(0, |guide| guide.window_px.min(self.sample_size.0)),
+        };
+        recorder.dispatch(&self.stages.guide, &self.guide_set, &push, self.groups_by_block());
+    }
+
+    /// Workgroups for a stage that has one for each block.
+    pub(super) fn groups_by_block(&self) -> [u32; 3] {
+        let blocks = self.layout.placements.len() as u32;
+        [blocks.min(GUIDE_GROUPS_X), blocks.div_ceil(GUIDE_GROUPS_X), 1]
+    }
+
+    /// Records steps of some waves.
+    pub(super) fn record_waves(
+        &self,
+        recorder: &mut Recorder<'_>,
+        waves: &Waves,
+        part: Range<usize>,
+        seed: u32,
+        frame: u32,
+    ) {
         let params = &self.params;
         let output = [self.layout.output.0, self.layout.output.1];
-        let tileable = u32::from(params.tileable);
-        for (step, _) in self.steps.get(part).unwrap_or_default() {
+        for (step, _) in waves.steps.get(part).unwrap_or_default() {
             match step.clone() {
-                Step::Begin => {
-                    recorder.clear_images("quilt_clear", &[&self.canvas, &self.source]);
-                    let push = GuidePush {
-                        output,
-                        sample_width: self.sample_size.0,
-                        block_px: params.block_px,
-                        guided: u32::from(self.guide.is_some()),
-                        paint: self.guide.as_ref().map_or(0, |guide| guide.paint),
-                        // More than a sample is wide makes no difference, and stays clear of overflow.
-                        window_px: self.guide.as_ref().map_or(0, |guide| guide.window_px.min(self.sample_size.0)),
-                    };
-                    let blocks = self.layout.placements.len() as u32;
-                    let groups = [blocks.min(GUIDE_GROUPS_X), blocks.div_ceil(GUIDE_GROUPS_X), 1];
-                    recorder.dispatch(&self.stages.guide, &self.guide_set, &push, groups);
-                }
-                Step::Search { blocks, groups } => {
-                    let push = SearchPush {
-                        output,
-                        sample_height: self.sample_size.1,
-                        block_px: params.block_px,
-                        overlap_px: params.overlap_px,
-                        tileable,
-                        columns: self.layout.columns,
-                        rows: self.layout.rows,
-                        first_block: blocks.start,
-                        first_group: groups.start,
-                        groups_per_block: self.groups_per_block,
-                    };
-                    let count = [groups.len() as u32, blocks.len() as u32, 1];
-                    recorder.dispatch(&self.stages.search[self.chunk], &self.search_set, &push, count);
-                }
+                Step::Search { blocks, groups } => self.record_search(recorder, &waves.search, blocks, groups),
                 Step::Place { blocks } => {
                     let push = PlacePush {
                         output,
                         sample_height: self.sample_size.1,
                         block_px: params.block_px,
                         overlap_px: params.overlap_px,
-                        tileable,
+                        tileable: u32::from(params.tileable),
                         first_block: blocks.start,
                         groups_per_block: self.groups_per_block,
                         columns: self.layout.columns,
@@ -475,9 +597,44 @@ impl Quilt {
                         seed,
                         frame,
                     };
-                    let count = [blocks.len() as u32, 1, 1];
-                    recorder.dispatch(&self.stages.place, &self.place_set, &push, count);
+                    recorder.dispatch(&self.stages.place, &waves.place_set, &push, [blocks.len() as u32, 1, 1]);
                 }
+            }
+        }
+    }
+
+    fn record_search(&self, recorder: &mut Recorder<'_>, search: &Search, blocks: Range<u32>, groups: Range<u32>) {
+        let params = &self.params;
+        let output = [self.layout.output.0, self.layout.output.1];
+        let count = [groups.len() as u32, blocks.len() as u32, 1];
+        match search {
+            Search::Overlap(set) => {
+                let push = SearchPush {
+                    output,
+                    sample_height: self.sample_size.1,
+                    block_px: params.block_px,
+                    overlap_px: params.overlap_px,
+                    tileable: u32::from(params.tileable),
+                    columns: self.layout.columns,
+                    rows: self.layout.rows,
+                    first_block: blocks.start,
+                    first_group: groups.start,
+                    groups_per_block: self.groups_per_block,
+                };
+                recorder.dispatch(&self.stages.search[chunk(params)], set, &push, count);
+            }
+            Search::Weighted { set, canvas_weight, previous_weight } => {
+                let push = MatchPush {
+                    output,
+                    sample_height: self.sample_size.1,
+                    block_px: params.block_px,
+                    first_block: blocks.start,
+                    first_group: groups.start,
+                    groups_per_block: self.groups_per_block,
+                    canvas_weight: *canvas_weight,
+                    previous_weight: *previous_weight,
+                };
+                recorder.dispatch(&self.stages.matching, set, &push, count);
             }
         }
     }
@@ -520,14 +677,60 @@ fn chunk(params: &QuiltParams) -> usize {
     (0..3).min_by_key(work).unwrap_or_default()
 }
 
-/// The steps of a quilting with their cost in pixel comparisons.
-fn steps(params: &QuiltParams, layout: &Layout, groups: u32, batch: u32, most_groups: u32) -> Vec<(Step, u64)> {
+/// What the binding sets of waves are made of.
+struct Targets<'a> {
+    stages: &'a QuiltStages,
+    sample: &'a SampleTexels,
+    canvas: &'a Image,
+    source: &'a Image,
+    blocks: &'a Buffer,
+    errors: &'a [Buffer; 2],
+}
+
+impl Targets<'_> {
+    /// The blocks of waves in their order, on their way to the device.
+    fn order(&self, context: &Context, uploads: &mut Uploads, waves: &[Vec<u32>]) -> Result<Buffer> {
+        let order: Vec<u32> = waves.iter().flatten().copied().collect();
+        let buffer = Buffer::new(context, "quilt order", BufferKind::Storage, size_of_val(&order[..]) as u64)?;
+        uploads.buffer(context, &buffer, bytemuck::cast_slice(&order))?;
+        Ok(buffer)
+    }
+
+    /// A search, which matches another picture too if one is given with the weights of canvas and picture.
+    fn search(
+        &self,
+        context: &Context,
+        order: &Buffer,
+        params: &QuiltParams,
+        previous: Option<(&Image, [u32; 2])>,
+    ) -> Result<Search> {
+        let (texels, canvas, [errors, minima]) = (&self.sample.image, self.canvas, self.errors);
+        let after = [self.blocks.into(), order.into(), errors.into(), minima.into()];
+        let Some((previous, [canvas_weight, previous_weight])) = previous else {
+            let bound = [&[texels.into(), (&self.sample.squares).into(), canvas.into()], &after[..]].concat();
+            return Ok(Search::Overlap(BindingSet::new(context, &self.stages.search[chunk(params)], &bound)?));
+        };
+        let bound = [&[texels.into(), canvas.into(), previous.into()], &after[..]].concat();
+        let set = BindingSet::new(context, &self.stages.matching, &bound)?;
+        Ok(Search::Weighted { set, canvas_weight, previous_weight })
+    }
+
+    fn place_set(&self, context: &Context, order: &Buffer) -> Result<BindingSet> {
+        let [errors, minima] = self.errors;
+        let images = [(&self.sample.image).into(), self.canvas.into(), self.source.into()];
+        let buffers = [self.blocks.into(), order.into(), errors.into(), minima.into()];
+        BindingSet::new(context, &self.stages.place, &[&images[..], &buffers[..]].concat())
+    }
+}
+
+/// The steps of waves with their cost in pixel comparisons.
+fn steps(params: &QuiltParams, waves: &[Vec<u32>], groups: u32, batch: u32, most_groups: u32) -> Vec<(Step, u64)> {
     let (b, o) = (u64::from(params.block_px), u64::from(params.overlap_px));
     let overlap_px = if params.tileable { b * b - (b - 2 * o) * (b - 2 * o) } else { 2 * b * o - o * o };
     let group_cost = u64::from(GROUP * TILE) * overlap_px;
-    let mut steps = vec![(Step::Begin, 0)];
+    let mut steps = Vec::new();
     let mut first = 0;
-    for wave in &layout.waves {
+    for wave in waves {
         let end = first + wave.len() as u32;
         while first < end {
             let blocks = first..end.min(first + batch);

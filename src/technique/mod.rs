@@ -64,8 +64,7 @@ impl Default for ShadeRange {
 }
 
 impl ShadeRange {
-    /// The range of shade of a guide, less half a percent of its pixels at each end, in steps of 1/1023: what
-    /// [`image::ImageParams::levels`] spreads. `shade` and `id` are texels of the guide's images. All of it where there
+    /// The range of shade of a guide, less half a percent of its pixels at each end, in steps of 1/1023. `shade` and `id` are texels of the guide's images. All of it where there
     /// is no pixel.
     pub fn of_guide(shade: &[f32], id: &[u32]) -> Self {
         let mut bins = [0u64; 1024];

@@ -42,7 +42,7 @@ fn textures_of_views_equal_the_oracle_exactly() {
         }
     }
     let got = rgba(&mut runner, technique.slices());
-    let window = ImageParams { quilt, k: Some(0.5), levels: false };
+    let window = ImageParams { quilt, k: Some(0.5), ..ImageParams::default() };
     for (guide, slice) in guides.iter().zip([0, 1, covered.slices.len() - 1]) {
         let mut want = vec![[128, 128, 128, 255]; texels];
         for (number, texture) in (1..).zip(&textures) {

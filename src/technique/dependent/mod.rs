@@ -351,7 +351,7 @@ impl DependentTechnique {
                 faces.record(recorder, camera, &preparation.lights, list.clone())?;
                 let [width, height, _] = faces.shade.size_px();
                 let groups = [width.div_ceil(16), height.div_ceil(8), 1];
-                let push = GuidePush { levels: 1 };
+                let push = GuidePush { range: self.params.range.to_array() };
                 recorder.dispatch(&preparation.guide_stage, &preparation.guide_set, &push, groups);
                 for (columns, set) in (0..).zip(&preparation.feather_sets) {
                     let push = FeatherPush { columns, radius: (width / FEATHER).max(1) as i32 };
@@ -499,16 +499,8 @@ impl Preparation {
             Ok::<_, Error>(buffer)
         };
         let objects = storage("paint of object", bytemuck::cast_slice(paint_of_object))?;
-        let levels = storage("shade range", bytemuck::cast_slice(&params.range.to_array()))?;
         let guide_stage = ComputePipeline::new(context, &IMAGE_GUIDE)?;
-        let bound = [
-            (&faces.shade).into(),
-            (&faces.id).into(),
-            (&objects).into(),
-            (&levels).into(),
-            (&tone).into(),
-            (&guide).into(),
-        ];
+        let bound = [(&faces.shade).into(), (&faces.id).into(), (&objects).into(), (&tone).into(), (&guide).into()];
         let guide_set = BindingSet::new(context, &guide_stage, &bound)?;
         let rows = image("view feather rows", vk::Format::R32_UINT)?;
         let feather = image("view feather", vk::Format::R32_UINT)?;
@@ -517,12 +509,17 @@ impl Preparation {
             BindingSet::new(context, &feather_stage, &[(&guide).into(), (&rows).into()])?,
             BindingSet::new(context, &feather_stage, &[(&rows).into(), (&feather).into()])?,
         ];
-        let window = ImageParams { quilt: params.quilt, k: params.k, levels: false };
+        let window = ImageParams { quilt: params.quilt, k: params.k, ..ImageParams::default() };
         let mut quilts = Vec::with_capacity(paints.len());
         for (number, paint) in (1..).zip(paints) {
             let size = (paint.texture.width(), paint.texture.height());
             let sample = SampleTexels::new(context, uploads, &paint.texture.to_unorm8(), size)?;
-            let quilt_guide = QuiltGuide { image: guide.clone(), paint: number, window_px: window.window_px(size.0)? };
+            let quilt_guide = QuiltGuide {
+                image: guide.clone(),
+                paint: number,
+                window_px: window.window_px(size.0)?,
+                previous: None,
+            };
             let output = (view_px, view_px);
             quilts.push(Quilt::new(context, uploads, stages, &sample, output, &params.quilt, Some(quilt_guide))?);
         }

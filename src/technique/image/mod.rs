@@ -4,8 +4,10 @@
 //! paint's *difference* image; both are added and clipped. Colour is therefore right at every pixel however coarse the
 //! blocks, and a new colour gradient needs no new synthesis. The background stays transparent.
 //!
-//! Stages: `image_histogram` and `image_levels` (only with [`ImageParams::levels`]), `image_guide` packs the guide, the
-//! quilting stages run once for each paint, `image_recombine` draws the frame.
+//! Stages: `image_guide` packs the guide, the quilting stages run once for each paint, `image_recombine` draws the frame.
+//!
+//! Frames of a sequence that are synthesised each for itself flicker: the model looks as if it was seen through a shower
+//! door. Two things help: [`ImageParams::previous`] as the thesis has it, and [`ImageTechnique::carry`] beyond it.
 
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader,
@@ -14,42 +16,28 @@ use crate::gpu::{
 use crate::paint::Trajectory;
 use crate::scene::GuidePass;
 use crate::synthesis::params::QuiltParams;
-use crate::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
-use crate::technique::{check_paints, Paint, Show};
+use crate::synthesis::quilt::{PreviousWeight, Quilt, QuiltGuide, QuiltStages, SampleTexels};
+use crate::synthesis::repair::RepairParams;
+use crate::technique::{check_paints, Paint, ShadeRange, Show};
 use crate::{Error, Result};
 use ash::vk;
+use carry::Carry;
 use std::ops::Range;
 use std::sync::Arc;
 
+mod carry;
+
+pub(crate) use carry::{IMAGE_CARRY, IMAGE_SETTLE};
+
 /// Block sizes that a position may lie from its place; more than any sample is wide.
 const MAX_K: f32 = 1000.0;
-const HISTOGRAM_BYTES: u64 = 1024 * 4;
-
-pub(crate) const IMAGE_HISTOGRAM: Shader = Shader {
-    name: "image_histogram",
-    spirv: include_bytes!("../../glsl/spirv/technique/image_histogram.comp.spv"),
-    bindings: &[
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeReadWrite),
-    ],
-    push_bytes: 0,
-};
-
-pub(crate) const IMAGE_LEVELS: Shader = Shader {
-    name: "image_levels",
-    spirv: include_bytes!("../../glsl/spirv/technique/image_levels.comp.spv"),
-    bindings: &[BindingKind::Buffer(Access::ComputeRead), BindingKind::Buffer(Access::ComputeWrite)],
-    push_bytes: 0,
-};
 
 pub(crate) const IMAGE_GUIDE: Shader = Shader {
     name: "image_guide",
-    spirv: include_bytes!("../../glsl/spirv/technique/image_guide.comp.spv"),
+    spirv: include_bytes!("../../../glsl/spirv/technique/image_guide.comp.spv"),
     bindings: &[
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Image(Access::ComputeWrite),
         BindingKind::Image(Access::ComputeWrite),
@@ -59,7 +47,7 @@ pub(crate) const IMAGE_GUIDE: Shader = Shader {
 
 pub(crate) const IMAGE_RECOMBINE: Shader = Shader {
     name: "image_recombine",
-    spirv: include_bytes!("../../glsl/spirv/technique/image_recombine.comp.spv"),
+    spirv: include_bytes!("../../../glsl/spirv/technique/image_recombine.comp.spv"),
     bindings: &[
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
@@ -74,13 +62,13 @@ pub(crate) const IMAGE_RECOMBINE: Shader = Shader {
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(super) struct GuidePush {
-    /// 1 to spread the range of the buffer of levels.
-    pub levels: u32,
+    /// What becomes 0 and 1.
+    pub range: [f32; 2],
 }
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct RecombinePush {
+pub(super) struct RecombinePush {
     paint: u32,
     show: u32,
 }
@@ -95,9 +83,11 @@ pub struct ImageParams {
     /// quietest part of the strip spreads over the model, and marks of one shade bring their hue into another. `None`
     /// takes 1/16 of the strip's width to either side, but no less than 1 block size and no more than 4.
     pub k: Option<f32>,
-    /// Spread the model's own range of shade (less half a percent of its pixels at each end) over the whole strip.
-    /// Off is the thesis's plain mapping.
-    pub levels: bool,
+    /// The range of shade that is spread over the whole strip; all of it is the thesis's plain mapping.
+    pub range: ShadeRange,
+    /// How much each block is required to match the last frame (thesis chapter 6), if at all. It takes away most of the
+    /// flicker where things move little; [`ImageTechnique::carry`] does more.
+    pub previous: Option<PreviousWeight>,
 }
 
 impl ImageParams {
@@ -131,7 +121,9 @@ enum Part {
 }
 
 struct Layer {
+    sample: SampleTexels,
     quilt: Quilt,
+    difference: Image,
     colors: Buffer,
     color_count: usize,
     recombine_set: BindingSet,
@@ -140,17 +132,14 @@ struct Layer {
 /// The technique, prepared for a scene's guides and its paints.
 pub struct ImageTechnique {
     params: ImageParams,
-    histogram_stage: ComputePipeline,
-    levels_stage: ComputePipeline,
     guide_stage: ComputePipeline,
     recombine_stage: ComputePipeline,
-    histogram: Buffer,
-    histogram_set: BindingSet,
-    levels_set: BindingSet,
     guide_set: BindingSet,
     tone: Image,
+    guide: Image,
     frame: Image,
     layers: Vec<Layer>,
+    carry: Option<Carry>,
 }
 
 impl ImageTechnique {
@@ -178,28 +167,20 @@ impl ImageTechnique {
         let guide = image("image guide", vk::Format::R32_UINT)?;
         let frame = image("image frame", vk::Format::R8G8B8A8_UNORM)?;
         let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
-        let histogram = storage("image histogram", HISTOGRAM_BYTES)?;
-        let levels = storage("image levels", 8)?;
         let objects = storage("paint of object", size_of_val(paint_of_object) as u64)?;
         uploads.buffer(context, &objects, bytemuck::cast_slice(paint_of_object))?;
-        let histogram_stage = ComputePipeline::new(context, &IMAGE_HISTOGRAM)?;
-        let levels_stage = ComputePipeline::new(context, &IMAGE_LEVELS)?;
         let guide_stage = ComputePipeline::new(context, &IMAGE_GUIDE)?;
         let recombine_stage = ComputePipeline::new(context, &IMAGE_RECOMBINE)?;
         let (shade, id) = (guides.shade(), guides.id());
         let bind = |stage, bound: &[_]| BindingSet::new(context, stage, bound);
-        let histogram_set = bind(&histogram_stage, &[shade.into(), id.into(), (&histogram).into()])?;
-        let levels_set = bind(&levels_stage, &[(&histogram).into(), (&levels).into()])?;
-        let guide_set = bind(
-            &guide_stage,
-            &[shade.into(), id.into(), (&objects).into(), (&levels).into(), (&tone).into(), (&guide).into()],
-        )?;
+        let guide_set =
+            bind(&guide_stage, &[shade.into(), id.into(), (&objects).into(), (&tone).into(), (&guide).into()])?;
         let mut layers = Vec::with_capacity(paints.len());
         for (number, paint) in (1..).zip(paints) {
             let size = (paint.texture.width(), paint.texture.height());
             let sample = SampleTexels::new(context, uploads, &paint.texture.to_unorm8(), size)?;
             let window_px = params.window_px(size.0)?;
-            let quilt_guide = QuiltGuide { image: guide.clone(), paint: number, window_px };
+            let quilt_guide = QuiltGuide { image: guide.clone(), paint: number, window_px, previous: params.previous };
             let quilt =
                 Quilt::new(context, uploads, stages, &sample, (width, height), &params.quilt, Some(quilt_guide))?;
             let desc = ImageDesc::storage_2d(size.0, size.1, vk::Format::R32G32B32A32_SFLOAT);
@@ -220,21 +201,18 @@ impl ImageTechnique {
                     (&frame).into(),
                 ],
             )?;
-            layers.push(Layer { quilt, colors, color_count, recombine_set });
+            layers.push(Layer { sample, quilt, difference, colors, color_count, recombine_set });
         }
         Ok(ImageTechnique {
             params: *params,
-            histogram_stage,
-            levels_stage,
             guide_stage,
             recombine_stage,
-            histogram,
-            histogram_set,
-            levels_set,
             guide_set,
             tone,
+            guide,
             frame,
             layers,
+            carry: None,
         })
     }
 
@@ -246,6 +224,40 @@ impl ImageTechnique {
         }
         parts.extend((0..self.layers.len()).map(|i| ImagePart(Part::Recombine(i))));
         parts
+    }
+
+    /// Lets texture follow the surface from frame to frame, as `motion` says (see [`crate::scene::MotionPass`] for its
+    /// format; R32_UINT, of the guides' size): [`ImageTechnique::record_next`] then draws frames that go on from the last.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for parameters out of range or a picture of another size; [`Error::Memory`] when the budget
+    /// does not allow it.
+    pub fn carry(
+        &mut self,
+        context: &Context,
+        uploads: &mut Uploads,
+        motion: &Image,
+        params: &RepairParams,
+    ) -> Result<()> {
+        self.carry = Some(Carry::new(context, uploads, self, motion, params)?);
+        Ok(())
+    }
+
+    /// Records that the next frame need not match the last one, for sequences with [`ImageParams::previous`].
+    pub fn forget(&self, recorder: &mut Recorder<'_>) {
+        self.layers.iter().for_each(|layer| layer.quilt.forget(recorder));
+    }
+
+    /// Records a frame that goes on from the last one, after [`ImageTechnique::carry`]: texture is carried along, and
+    /// synthesised anew only where it no longer fits. Guides and motion must have been recorded before, and some frame by
+    /// [`ImageTechnique::record`] or its parts. Without carrying, a frame is that of [`ImageTechnique::record`].
+    pub fn record_next(&self, recorder: &mut Recorder<'_>, seed: u32, frame: u32) {
+        let Some(carry) = &self.carry else {
+            return self.record(recorder, seed, frame);
+        };
+        self.record_part(recorder, &ImagePart(Part::Guide), seed, frame);
+        carry.record(recorder, self.layers.iter().map(|layer| &layer.quilt), seed, frame);
+        self.record_recombine(recorder, Show::Painted);
     }
 
     /// Records a whole frame; the guides must have been recorded before. `seed` and `frame` enter the random choices.
@@ -261,12 +273,7 @@ impl ImageTechnique {
             Part::Guide => {
                 let [width, height, _] = self.tone.size_px();
                 let groups = [width.div_ceil(16), height.div_ceil(8), 1];
-                if self.params.levels {
-                    recorder.clear_buffer("image_clear", &self.histogram);
-                    recorder.dispatch(&self.histogram_stage, &self.histogram_set, &(), groups);
-                    recorder.dispatch(&self.levels_stage, &self.levels_set, &(), [1, 1, 1]);
-                }
-                let push = GuidePush { levels: u32::from(self.params.levels) };
+                let push = GuidePush { range: self.params.range.to_array() };
                 recorder.dispatch(&self.guide_stage, &self.guide_set, &push, groups);
             }
             Part::Quilt(layer, steps) => {
@@ -290,8 +297,10 @@ impl ImageTechnique {
         let [width, height, _] = self.tone.size_px();
         let push = RecombinePush { paint: layer as u32 + 1, show: show as u32 };
         let groups = [width.div_ceil(16), height.div_ceil(8), 1];
-        if let Some(layer) = self.layers.get(layer) {
-            recorder.dispatch(&self.recombine_stage, &layer.recombine_set, &push, groups);
+        match (&self.carry, self.layers.get(layer)) {
+            (Some(carry), _) => carry.settle(recorder, layer, &push, groups),
+            (None, Some(layer)) => recorder.dispatch(&self.recombine_stage, &layer.recombine_set, &push, groups),
+            (None, None) => {}
         }
     }
 
