@@ -76,10 +76,19 @@ impl<'a> Painter<'a> {
                     ImageTechnique::new(&context, &mut uploads, &stages, &guides, &all, &paints.of_object, &params)?;
                 let mut mi = None;
                 if std::env::var("CARRY").is_ok() {
-                    let image = Image::new(&context, "motion", &impasto::gpu::ImageDesc::storage_2d(size.0, size.1, ash::vk::Format::R32_UINT))?;
+                    let image = Image::new(
+                        &context,
+                        "motion",
+                        &impasto::gpu::ImageDesc::storage_2d(size.0, size.1, ash::vk::Format::R32_UINT),
+                    )?;
                     let stretch = std::env::var("STRETCH").ok().and_then(|s| s.parse().ok()).unwrap_or(1.25);
                     let slack = std::env::var("SLACK").ok().and_then(|s| s.parse().ok()).unwrap_or(0.5);
-                    technique.carry(&context, &mut uploads, &image, &impasto::synthesis::repair::RepairParams{stretch, slack})?;
+                    technique.carry(
+                        &context,
+                        &mut uploads,
+                        &image,
+                        &impasto::synthesis::repair::RepairParams { stretch, slack },
+                    )?;
                     mi = Some(image);
                 }
                 device.upload(&mut uploads)?;
@@ -156,28 +165,45 @@ impl<'a> Painter<'a> {
             if let Some(mi) = mi {
                 let size = self.scene.size.pair();
                 let guide = impasto::scene::Guide {
-                    width: size.0, height: size.1,
+                    width: size.0,
+                    height: size.1,
                     shade: floats(&device.runner.read_image(self.guides.shade())?),
                     id: words(&device.runner.read_image(self.guides.id())?),
                     depth: floats(&device.runner.read_image(self.guides.depth())?),
                 };
                 if let Some((camera, before)) = last {
                     let motion = impasto::metric::Motion::between([&self.camera, camera], [&guide, before])?;
-                    let w: Vec<u32> = motion.to_rgb16().iter().map(|[x, y, b]| if *b == 0 { 0 } else { u32::from(*x) | u32::from(*y) << 16 }).collect();
+                    let w: Vec<u32> = motion
+                        .to_rgb16()
+                        .iter()
+                        .map(|[x, y, b]| if *b == 0 { 0 } else { u32::from(*x) | u32::from(*y) << 16 })
+                        .collect();
                     let mut uploads = Uploads::default();
                     let context = device.context.clone();
                     uploads.image(&context, mi, bytemuck::cast_slice(&w))?;
                     device.upload(&mut uploads)?;
                     let t = std::time::Instant::now();
                     let c = cpu();
-                    device.runner.run(|recorder| { technique.record_next(recorder, self.seed, number); Ok(()) })?;
+                    device.runner.run(|recorder| {
+                        technique.record_next(recorder, self.seed, number);
+                        Ok(())
+                    })?;
                     let (mut kept, mut skipped) = (0, 0);
-                    for quilt in technique.quilts() { 
+                    for quilt in technique.quilts() {
                         let b = device.runner.read_buffer(quilt.block_buffer())?;
                         let w = words(&b);
-                        for r in w.chunks(11) { if r[6] == 0 { skipped += 1 } else { kept += 1 } }
+                        for r in w.chunks(11) {
+                            if r[6] == 0 {
+                                skipped += 1
+                            } else {
+                                kept += 1
+                            }
+                        }
                     }
-                    let placed: usize = words(&device.runner.read_image(technique.quilts().next().unwrap().source())?).iter().filter(|w| **w != u32::MAX).count();
+                    let placed: usize = words(&device.runner.read_image(technique.quilts().next().unwrap().source())?)
+                        .iter()
+                        .filter(|w| **w != u32::MAX)
+                        .count();
                     eprintln!("{number}: {:.0} ms cpu {:.0} ms, blocks {kept} skipped {skipped}; pasted px {placed} = {:.1} %", t.elapsed().as_secs_f64()*1e3, cpu() - c, 100.0*placed as f64 / guide.id.iter().filter(|i| **i != 0).count() as f64);
                 } else {
                     synthesise(session, device, technique, self.seed, number)?;
@@ -322,7 +348,11 @@ pub fn prepare_levels(session: &mut Session, device: &mut Device, levels: &Level
     Ok(())
 }
 
-fn cpu() -> f64 { let s = std::fs::read_to_string("/proc/self/stat").unwrap(); let f: Vec<&str> = s.rsplit(')').next().unwrap().split_whitespace().collect(); (f[11].parse::<f64>().unwrap() + f[12].parse::<f64>().unwrap()) * 10.0 }
+fn cpu() -> f64 {
+    let s = std::fs::read_to_string("/proc/self/stat").unwrap();
+    let f: Vec<&str> = s.rsplit(')').next().unwrap().split_whitespace().collect();
+    (f[11].parse::<f64>().unwrap() + f[12].parse::<f64>().unwrap()) * 10.0
+}
 fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }

@@ -19,6 +19,7 @@ use crate::gpu::{
 use crate::{Error, Result};
 use ash::vk;
 use std::ops::Range;
+use std::slice::SliceIndex;
 use std::sync::Arc;
 
 /// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
@@ -330,7 +331,7 @@ pub struct QuiltGuide {
 }
 
 #[derive(Debug, Clone)]
-enum Step {
+pub(super) enum Step {
     /// Search for blocks `order[blocks]`, groups of positions `groups`.
     Search { blocks: Range<u32>, groups: Range<u32> },
     /// Place the same blocks.
@@ -493,7 +494,9 @@ impl Quilt {
         &self.source
     }
 
-    pub fn block_buffer(&self) -> &Buffer { &self.blocks }
+    pub fn block_buffer(&self) -> &Buffer {
+        &self.blocks
+    }
     /// What guides it.
     pub(crate) fn guide(&self) -> Option<&Image> {
         self.guide.as_ref().map(|guide| &guide.image)
@@ -573,7 +576,7 @@ impl Quilt {
         &self,
         recorder: &mut Recorder<'_>,
         waves: &Waves,
-        part: Range<usize>,
+        part: impl SliceIndex<[(Step, u64)], Output = [(Step, u64)]>,
         seed: u32,
         frame: u32,
     ) {

@@ -1,0 +1,33 @@
+// Texture that was carried from one frame to the next: a *place*, where in the sample a pixel's texture comes from.
+// Rust's side of it is src/synthesis/repair.rs.
+
+// Steps of a texel, in x and y of a place.
+const int STEPS = 64;
+
+// In y of a place that there is; none is all zero.
+const uint PRESENT = 0x80000000u;
+
+// What `source` holds where nothing was pasted in this frame.
+const uint NOT_PASTED = 0xffffffffu;
+
+// The differences between the places of neighbouring pixels that belong to one piece of texture are within this of one
+// texel, in steps.
+const int ONE_PIECE = 48;
+
+bool is_present(uvec2 place) {
+    return place.y >= PRESENT;
+}
+
+ivec2 steps_of(uvec2 place) {
+    return ivec2(place.x, place.y & ~PRESENT);
+}
+
+// Whether the sample has a texel nearest to the place.
+bool in_sample(ivec2 steps, uvec2 sample_size) {
+    return all(greaterThanEqual(steps, ivec2(0))) && all(lessThanEqual(steps, STEPS * (ivec2(sample_size) - 1)));
+}
+
+// From a pixel's place to that of the pixel at the way (1, 0) or (0, 1) from it, if both are of one piece.
+bool follows(ivec2 difference, ivec2 way) {
+    return all(lessThanEqual(abs(difference - STEPS * way), ivec2(ONE_PIECE)));
+}

@@ -1,0 +1,169 @@
+#version 450
+// Quilting, second stage where blocks have more to fit than their overlap: the weighted error of the blocks of one wave
+// at every allowed position of the sample.
+//
+// The error is the sum over the block's pixels of w1 |a - c|^2 + w2 |a - p|^2: a the sample, c what is painted on the
+// canvas and p what the frame before had there; a pixel that is not painted counts nothing. Thesis chapter 6 asks each
+// block to match the previous frame; texture that was carried along surrounds a block on any side.
+// Arithmetic: both together are W |a|^2 - 2 a.B + C with W = w1 + w2, B = w1 c + w2 p. All colours are taken less 128,
+// which changes no difference, and sums of floats stay below 2^24 over CHUNK texels, so that they are exact: see
+// quilt_search, whose positions, groups and results these are. A workgroup first lists the chunks of the block that
+// have any weight.
+// In:  sample (TILE + CHUNK texels wider than it is), canvas, previous, blocks, the blocks' order.
+// Out: errors and least error of each group, as of quilt_search.
+#extension GL_GOOGLE_include_directive : require
+#include "quilt.glsl"
+
+layout(local_size_x = 128) in;
+
+layout(binding = 0, r32ui) uniform readonly uimage2D sample_texels;
+layout(binding = 1, r32ui) uniform readonly uimage2D canvas;
+layout(binding = 2, r32ui) uniform readonly uimage2D previous;
+layout(binding = 3, std430) readonly buffer Blocks { Block blocks[]; };
+layout(binding = 4, std430) readonly buffer Order { uint order[]; };
+layout(binding = 5, std430) writeonly buffer Errors { uvec4 errors[]; };
+layout(binding = 6, std430) writeonly buffer GroupMinima { uint group_minima[]; };
+
+layout(push_constant) uniform Push {
+    uint output_width, output_height;
+    uint sample_height;
+    uint block_px;
+    // The blocks of this dispatch are order[first_block + gl_WorkGroupID.y].
+    uint first_block;
+    // Groups are first_group + gl_WorkGroupID.x of groups_per_block.
+    uint first_group, groups_per_block;
+    uint canvas_weight, previous_weight;
+} push;
+
+// Texels of a block's row that are compared at a time. 6 * 3 * 128^2 * (1 + 2) * 18 < 2^24: weights up to 18 are exact.
+const int CHUNK = 4;
+
+const uint CHUNKS_ACROSS = MAX_BLOCK / CHUNK;
+
+shared uint count;
+// Chunks with any weight: column, and row in the high half.
+shared uint chunks[CHUNKS_ACROSS * MAX_BLOCK];
+shared uint least[GROUP];
+
+vec3 centred(uint texel) {
+    return vec3(ivec3(unpack_rgb(texel)) - 128);
+}
+
+ivec2 place(Block block, int dx, int dy) {
+    ivec2 size = ivec2(push.output_width, push.output_height);
+    ivec2 at = ivec2(block.x, block.y) + ivec2(dx, dy);
+    return at - ivec2(greaterThanEqual(at, size)) * size;
+}
+
+// Weights of canvas and previous frame at a pixel of the block.
+uvec2 weights(uint c, uint p, bool inside) {
+    return uvec2(inside && c >= PAINTED ? push.canvas_weight : 0, inside && p >= PAINTED ? push.previous_weight : 0);
+}
+
+// -2 B and W of the block's pixel; adds to C.
+vec4 target(Block block, int dx, int dy, inout float constant) {
+    ivec2 at = place(block, min(dx, int(block.width) - 1), dy);
+    uint c = imageLoad(canvas, at).r;
+    uint p = imageLoad(previous, at).r;
+    vec2 w = vec2(weights(c, p, dx < int(block.width)));
+    vec3 to_canvas = centred(c);
+    vec3 to_previous = centred(p);
+    constant += w.x * dot(to_canvas, to_canvas) + w.y * dot(to_previous, to_previous);
+    return vec4(-2.0 * (w.x * to_canvas + w.y * to_previous), w.x + w.y);
+}
+
+// The sample's colour, and |a|^2.
+vec4 load_sample(int x, int y) {
+    vec3 a = centred(imageLoad(sample_texels, ivec2(x, y)).r);
+    return vec4(a, dot(a, a));
+}
+
+#define BLOCK_TEXEL(i) vec4 b##i = target(block, dx + i, dy, constant);
+#define SAMPLE_TEXEL(k) vec4 a##k = load_sample(sx + dx + k, sy + dy);
+#define POSITION(total, p0, p1, p2, p3)                                                                                \
+    total += squares + int(dot(p0, b0) + dot(p1, b1) + dot(p2, b2) + dot(p3, b3));
+
+void main() {
+    uint lane = gl_LocalInvocationID.x;
+    uint slot = gl_WorkGroupID.y;
+    Block block = blocks[order[push.first_block + slot]];
+    if (block.state != STATE_PENDING) {
+        return;
+    }
+    uint group = push.first_group + gl_WorkGroupID.x;
+    uint columns = block.sx1 - block.sx0 + 1;
+    uint tiles_x = (columns + TILE - 1) / TILE;
+    uint tiles = tiles_x * (push.sample_height - push.block_px + 1);
+    if (group * GROUP >= tiles) {
+        return;
+    }
+    uint tile = group * GROUP + lane;
+    bool live = tile < tiles;
+    uint tile_x = live ? tile % tiles_x : 0;
+    int sx = int(block.sx0 + TILE * tile_x);
+    int sy = int(live ? tile / tiles_x : 0);
+
+    if (lane == 0) {
+        count = 0;
+    }
+    barrier();
+    uint across = (block.width + CHUNK - 1) / CHUNK;
+    for (uint i = lane; i < across * block.height; i += GROUP) {
+        uint dx = CHUNK * (i % across);
+        uint dy = i / across;
+        uint weight = 0;
+        for (uint j = 0; j < CHUNK; j++) {
+            ivec2 at = place(block, int(min(dx + j, block.width - 1)), int(dy));
+            uvec2 w = weights(imageLoad(canvas, at).r, imageLoad(previous, at).r, true);
+            weight += w.x + w.y;
+        }
+        if (weight > 0) {
+            // Integer sums do not care for the order.
+            chunks[atomicAdd(count, 1)] = dx | dy << 16;
+        }
+    }
+    barrier();
+    uint chunk_count = count;
+
+    int t0 = 0, t1 = 0, t2 = 0, t3 = 0, t4 = 0, t5 = 0, t6 = 0, t7 = 0;
+    for (uint i = 0; i < chunk_count; i++) {
+        int dx = int(chunks[i] & 0xffffu);
+        int dy = int(chunks[i] >> 16);
+        float constant = 0.0;
+        BLOCK_TEXEL(0) BLOCK_TEXEL(1) BLOCK_TEXEL(2) BLOCK_TEXEL(3)
+        SAMPLE_TEXEL(0) SAMPLE_TEXEL(1) SAMPLE_TEXEL(2) SAMPLE_TEXEL(3) SAMPLE_TEXEL(4) SAMPLE_TEXEL(5)
+        SAMPLE_TEXEL(6) SAMPLE_TEXEL(7) SAMPLE_TEXEL(8) SAMPLE_TEXEL(9) SAMPLE_TEXEL(10)
+        int squares = int(constant);
+        POSITION(t0, a0, a1, a2, a3)
+        POSITION(t1, a1, a2, a3, a4)
+        POSITION(t2, a2, a3, a4, a5)
+        POSITION(t3, a3, a4, a5, a6)
+        POSITION(t4, a4, a5, a6, a7)
+        POSITION(t5, a5, a6, a7, a8)
+        POSITION(t6, a6, a7, a8, a9)
+        POSITION(t7, a7, a8, a9, a10)
+    }
+
+    // The sums may pass 2^31, and are right as unsigned numbers.
+    uint total[TILE] = uint[](uint(t0), uint(t1), uint(t2), uint(t3), uint(t4), uint(t5), uint(t6), uint(t7));
+    uint mine = 0xffffffffu;
+    for (uint j = 0; j < TILE; j++) {
+        total[j] = live && TILE * tile_x + j < columns ? total[j] : 0xffffffffu;
+        mine = min(mine, total[j]);
+    }
+    uint at = ((slot * push.groups_per_block + group) * GROUP + lane) * (TILE / 4);
+    for (uint j = 0; j < TILE / 4; j++) {
+        errors[at + j] = uvec4(total[4 * j], total[4 * j + 1], total[4 * j + 2], total[4 * j + 3]);
+    }
+    least[lane] = mine;
+    for (uint stride = GROUP / 2; stride > 0; stride /= 2) {
+        barrier();
+        if (lane < stride) {
+            least[lane] = min(least[lane], least[lane + stride]);
+        }
+    }
+    barrier();
+    if (lane == 0) {
+        group_minima[slot * push.groups_per_block + group] = least[0];
+    }
+}
