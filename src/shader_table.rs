@@ -14,7 +14,6 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
         ("synthesis/quilt_match.comp", quilt::QUILT_MATCH),
         ("synthesis/quilt_place.comp", quilt::QUILT_PLACE),
         ("synthesis/repair_fit.comp", repair::REPAIR_FIT),
-        ("synthesis/repair_keep.comp", repair::REPAIR_KEEP),
         ("synthesis/tile_mask.comp", tile_mask::TILE_MASK),
         ("synthesis/volume_slice.comp", volume::VOLUME_SLICE),
         ("metric/feature_bins.comp", metric::FEATURE_BINS),
@@ -23,8 +22,6 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
         ("metric/feature_nearest.comp", metric::FEATURE_NEAREST),
         ("technique/image_guide.comp", image::IMAGE_GUIDE),
         ("technique/image_recombine.comp", image::IMAGE_RECOMBINE),
-        ("technique/image_carry.comp", image::IMAGE_CARRY),
-        ("technique/image_settle.comp", image::IMAGE_SETTLE),
         ("technique/dependent_blend.comp", dependent::DEPENDENT_BLEND),
         ("technique/dependent_feather.comp", dependent::DEPENDENT_FEATHER),
     ]
@@ -35,6 +32,8 @@ pub fn raster_shaders() -> Vec<(&'static str, &'static str, RasterShader)> {
     vec![
         ("scene/guide.vert", "scene/guide.frag", scene::GUIDE),
         ("technique/object.vert", "technique/object.frag", object::OBJECT),
+        ("technique/picture.vert", "technique/image_carry.frag", image::IMAGE_CARRY),
+        ("technique/picture.vert", "technique/image_settle.frag", image::IMAGE_SETTLE),
         ("technique/picture.vert", "technique/aligned.frag", aligned::ALIGNED),
         ("technique/faces.vert", "technique/faces.frag", dependent::FACES),
         ("technique/dependent_mesh.vert", "technique/dependent_mesh.frag", dependent::DEPENDENT_MESH),

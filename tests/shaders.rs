@@ -288,7 +288,7 @@ fn structures_are_the_same_in_rust_and_glsl() {
                     .filter(|(source, _)| Path::new(source).parent() == folder)
                     .flat_map(|(_, binary)| &binary.arrays_of_structs)
                     .collect();
-                assert_eq!(users.len(), 6, "the stages of quilting and repair have an array of {name}");
+                assert_eq!(users.len(), 5, "the stages of quilting and repair have an array of {name}");
                 for (stride, layout) in users {
                     assert_eq!((*stride, layout), (bytes as u32, &offsets), "{file}: {name}");
                 }

@@ -4,8 +4,9 @@
 // Steps of a texel, in x and y of a place.
 const int STEPS = 64;
 
-// In y of a place that there is; none is all zero.
-const uint PRESENT = 0x80000000u;
+// A place as images have it, 16 bits to a channel: x in the first two, y in the others, low half first. None is all zero;
+// this is in the last one where there is one.
+const uint PRESENT = 0x8000u;
 
 // What `source` holds where nothing was pasted in this frame.
 const uint NOT_PASTED = 0xffffffffu;
@@ -14,12 +15,17 @@ const uint NOT_PASTED = 0xffffffffu;
 // texel, in steps.
 const int ONE_PIECE = 48;
 
-bool is_present(uvec2 place) {
-    return place.y >= PRESENT;
+bool is_present(uvec4 place) {
+    return place.w >= PRESENT;
 }
 
-ivec2 steps_of(uvec2 place) {
-    return ivec2(place.x, place.y & ~PRESENT);
+ivec2 steps_of(uvec4 place) {
+    return ivec2(place.x | place.y << 16, place.z | (place.w & ~PRESENT) << 16);
+}
+
+uvec4 place_of(ivec2 steps) {
+    uvec2 s = uvec2(steps);
+    return uvec4(s.x & 0xffffu, s.x >> 16, s.y & 0xffffu, s.y >> 16 | PRESENT);
 }
 
 // Whether the sample has a texel nearest to the place.

@@ -3,7 +3,8 @@
 // at every allowed position of the sample.
 //
 // The error is the sum over the block's pixels of w1 |a - c|^2 + w2 |a - p|^2: a the sample, c what is painted on the
-// canvas and p what the frame before had there; a pixel that is not painted counts nothing. Thesis chapter 6 asks each
+// canvas and p what the frame before had there; a pixel that is not painted, or that no
+// placed block holds, counts nothing. Thesis chapter 6 asks each
 // block to match the previous frame; texture that was carried along surrounds a block on any side.
 // Arithmetic: both together are W |a|^2 - 2 a.B + C with W = w1 + w2, B = w1 c + w2 p. All colours are taken less 128,
 // which changes no difference, and sums of floats stay below 2^24 over CHUNK texels, so that they are exact: see
@@ -27,19 +28,29 @@ layout(binding = 6, std430) writeonly buffer GroupMinima { uint group_minima[]; 
 layout(push_constant) uniform Push {
     uint output_width, output_height;
     uint sample_height;
-    uint block_px;
+    uint block_px, overlap_px;
+    uint tileable;
+    uint columns, rows;
     // The blocks of this dispatch are order[first_block + gl_WorkGroupID.y].
     uint first_block;
     // Groups are first_group + gl_WorkGroupID.x of groups_per_block.
     uint first_group, groups_per_block;
     uint canvas_weight, previous_weight;
+    // Only these rows of positions are compared: first_row, first_row + row_step, ...
+    uint first_row, row_step;
 } push;
 
 // Texels of a block's row that are compared at a time. 6 * 3 * 128^2 * (1 + 2) * 18 < 2^24: weights up to 18 are exact.
-const int CHUNK = 4;
+const int CHUNK = 6;
 
-const uint CHUNKS_ACROSS = MAX_BLOCK / CHUNK;
+// Whether the frame before is compared with at all.
+layout(constant_id = 0) const bool WITH_PREVIOUS = true;
 
+#include "fields.glsl"
+
+const uint CHUNKS_ACROSS = (MAX_BLOCK + CHUNK - 1) / CHUNK;
+
+shared uint painted;
 shared uint count;
 // Chunks with any weight: column, and row in the high half.
 shared uint chunks[CHUNKS_ACROSS * MAX_BLOCK];
@@ -55,21 +66,28 @@ ivec2 place(Block block, int dx, int dy) {
     return at - ivec2(greaterThanEqual(at, size)) * size;
 }
 
-// Weights of canvas and previous frame at a pixel of the block.
-uvec2 weights(uint c, uint p, bool inside) {
-    return uvec2(inside && c >= PAINTED ? push.canvas_weight : 0, inside && p >= PAINTED ? push.previous_weight : 0);
+// Weights of canvas and previous frame at the block's pixel, which show `c` and `p`.
+uvec2 weights(Block block, uint c, uint p, int dx, int dy) {
+    bool inside = dx < int(block.width);
+    bool stays = inside && c >= PAINTED && (painted & field_of(block, dx, dy)) != 0;
+    return uvec2(stays ? push.canvas_weight : 0, WITH_PREVIOUS && inside && p >= PAINTED ? push.previous_weight : 0);
 }
 
 // -2 B and W of the block's pixel; adds to C.
 vec4 target(Block block, int dx, int dy, inout float constant) {
     ivec2 at = place(block, min(dx, int(block.width) - 1), dy);
     uint c = imageLoad(canvas, at).r;
-    uint p = imageLoad(previous, at).r;
-    vec2 w = vec2(weights(c, p, dx < int(block.width)));
-    vec3 to_canvas = centred(c);
-    vec3 to_previous = centred(p);
-    constant += w.x * dot(to_canvas, to_canvas) + w.y * dot(to_previous, to_previous);
-    return vec4(-2.0 * (w.x * to_canvas + w.y * to_previous), w.x + w.y);
+    uint p = WITH_PREVIOUS ? imageLoad(previous, at).r : 0;
+    vec2 w = vec2(weights(block, c, p, dx, dy));
+    vec3 b = centred(c);
+    constant += w.x * dot(b, b);
+    b *= w.x;
+    if (WITH_PREVIOUS) {
+        vec3 before = centred(p);
+        constant += w.y * dot(before, before);
+        b += w.y * before;
+    }
+    return vec4(-2.0 * b, w.x + w.y);
 }
 
 // The sample's colour, and |a|^2.
@@ -80,20 +98,21 @@ vec4 load_sample(int x, int y) {
 
 #define BLOCK_TEXEL(i) vec4 b##i = target(block, dx + i, dy, constant);
 #define SAMPLE_TEXEL(k) vec4 a##k = load_sample(sx + dx + k, sy + dy);
-#define POSITION(total, p0, p1, p2, p3)                                                                                \
-    total += squares + int(dot(p0, b0) + dot(p1, b1) + dot(p2, b2) + dot(p3, b3));
+#define POSITION(total, p0, p1, p2, p3, p4, p5)                                                                        \
+    total += squares + int(dot(p0, b0) + dot(p1, b1) + dot(p2, b2) + dot(p3, b3) + dot(p4, b4) + dot(p5, b5));
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint slot = gl_WorkGroupID.y;
-    Block block = blocks[order[push.first_block + slot]];
+    uint index = order[push.first_block + slot];
+    Block block = blocks[index];
     if (block.state != STATE_PENDING) {
         return;
     }
     uint group = push.first_group + gl_WorkGroupID.x;
     uint columns = block.sx1 - block.sx0 + 1;
     uint tiles_x = (columns + TILE - 1) / TILE;
-    uint tiles = tiles_x * (push.sample_height - push.block_px + 1);
+    uint tiles = tiles_x * ((push.sample_height - push.block_px - push.first_row) / push.row_step + 1);
     if (group * GROUP >= tiles) {
         return;
     }
@@ -101,9 +120,10 @@ void main() {
     bool live = tile < tiles;
     uint tile_x = live ? tile % tiles_x : 0;
     int sx = int(block.sx0 + TILE * tile_x);
-    int sy = int(live ? tile / tiles_x : 0);
+    int sy = int(push.first_row + push.row_step * (live ? tile / tiles_x : 0));
 
     if (lane == 0) {
+        painted = painted_fields(index);
         count = 0;
     }
     barrier();
@@ -113,8 +133,10 @@ void main() {
         uint dy = i / across;
         uint weight = 0;
         for (uint j = 0; j < CHUNK; j++) {
-            ivec2 at = place(block, int(min(dx + j, block.width - 1)), int(dy));
-            uvec2 w = weights(imageLoad(canvas, at).r, imageLoad(previous, at).r, true);
+            int column = int(min(dx + j, block.width - 1));
+            ivec2 at = place(block, column, int(dy));
+            uint p = WITH_PREVIOUS ? imageLoad(previous, at).r : 0;
+            uvec2 w = weights(block, imageLoad(canvas, at).r, p, column, int(dy));
             weight += w.x + w.y;
         }
         if (weight > 0) {
@@ -130,18 +152,19 @@ void main() {
         int dx = int(chunks[i] & 0xffffu);
         int dy = int(chunks[i] >> 16);
         float constant = 0.0;
-        BLOCK_TEXEL(0) BLOCK_TEXEL(1) BLOCK_TEXEL(2) BLOCK_TEXEL(3)
+        BLOCK_TEXEL(0) BLOCK_TEXEL(1) BLOCK_TEXEL(2) BLOCK_TEXEL(3) BLOCK_TEXEL(4) BLOCK_TEXEL(5)
         SAMPLE_TEXEL(0) SAMPLE_TEXEL(1) SAMPLE_TEXEL(2) SAMPLE_TEXEL(3) SAMPLE_TEXEL(4) SAMPLE_TEXEL(5)
-        SAMPLE_TEXEL(6) SAMPLE_TEXEL(7) SAMPLE_TEXEL(8) SAMPLE_TEXEL(9) SAMPLE_TEXEL(10)
+        SAMPLE_TEXEL(6) SAMPLE_TEXEL(7) SAMPLE_TEXEL(8) SAMPLE_TEXEL(9) SAMPLE_TEXEL(10) SAMPLE_TEXEL(11)
+        SAMPLE_TEXEL(12)
         int squares = int(constant);
-        POSITION(t0, a0, a1, a2, a3)
-        POSITION(t1, a1, a2, a3, a4)
-        POSITION(t2, a2, a3, a4, a5)
-        POSITION(t3, a3, a4, a5, a6)
-        POSITION(t4, a4, a5, a6, a7)
-        POSITION(t5, a5, a6, a7, a8)
-        POSITION(t6, a6, a7, a8, a9)
-        POSITION(t7, a7, a8, a9, a10)
+        POSITION(t0, a0, a1, a2, a3, a4, a5)
+        POSITION(t1, a1, a2, a3, a4, a5, a6)
+        POSITION(t2, a2, a3, a4, a5, a6, a7)
+        POSITION(t3, a3, a4, a5, a6, a7, a8)
+        POSITION(t4, a4, a5, a6, a7, a8, a9)
+        POSITION(t5, a5, a6, a7, a8, a9, a10)
+        POSITION(t6, a6, a7, a8, a9, a10, a11)
+        POSITION(t7, a7, a8, a9, a10, a11, a12)
     }
 
     // The sums may pass 2^31, and are right as unsigned numbers.

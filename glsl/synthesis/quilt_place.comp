@@ -6,6 +6,7 @@
 // Cut: on each side whose neighbour is placed, the path through the strip of the overlap with the least sum of squared
 // differences, by dynamic programming, ties to the lowest index (thesis 3.2.2; Efros and Freeman 2001).
 // Paste: a painted pixel beyond a cut stays as it is, every other one takes the new block's texel.
+// A neighbour may be placed on any side: those to the right and below are where texture was carried along.
 // In:  errors and group minima of this wave's search.  Out: canvas, source coordinates, the blocks' records.
 #extension GL_GOOGLE_include_directive : require
 #include "quilt.glsl"
@@ -32,7 +33,11 @@ layout(push_constant) uniform Push {
     // In 1/10,000.
     uint tolerance;
     uint seed, frame;
+    // The rows of positions that were compared: first_row, first_row + row_step, ...
+    uint first_row, row_step;
 } push;
+
+#include "fields.glsl"
 
 const uint LEFT = 0;
 const uint TOP = 1;
@@ -46,6 +51,7 @@ shared uint cuts[4 * MAX_BLOCK];
 shared uint in_span[GROUP];
 shared uvec2 position;
 shared uint position_error;
+shared uint painted;
 
 // min + floor(min * tolerance / 10,000), or 2^32 - 1 where that does not fit.
 uint threshold(uint least) {
@@ -145,7 +151,7 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
                 if (e[j] <= limit && e[j] != 0xffffffffu) {
                     if (rank == wanted) {
                         uint tile = group * GROUP + lane;
-                        position = uvec2(sx0 + TILE * (tile % tiles_x) + j, tile / tiles_x);
+                        position = uvec2(sx0 + TILE * (tile % tiles_x) + j, push.first_row + push.row_step * (tile / tiles_x));
                         position_error = e[j];
                     }
                     rank++;
@@ -161,7 +167,11 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
     return least;
 }
 
+// What is painted on the block's pixel at `dx`, `dy`; 0 if nothing is, or nothing that stays.
 uint canvas_at(Block block, uint dx, uint dy) {
+    if ((painted & field_of(block, dx, dy)) == 0) {
+        return 0;
+    }
     uint x = block.x + dx;
     uint y = block.y + dy;
     x -= x >= push.output_width ? push.output_width : 0;
@@ -227,10 +237,6 @@ void cut(Block block, uint side) {
     barrier();
 }
 
-bool placed(uint row, uint col) {
-    return blocks[row * push.columns + col].state == STATE_PLACED;
-}
-
 void main() {
     uint lane = gl_LocalInvocationID.x;
     uint slot = gl_WorkGroupID.x;
@@ -240,17 +246,20 @@ void main() {
         return;
     }
     uint tiles_x = (block.sx1 - block.sx0 + TILE) / TILE;
-    uint tiles = tiles_x * (push.sample_height - push.block_px + 1);
+    uint tiles = tiles_x * ((push.sample_height - push.block_px - push.first_row) / push.row_step + 1);
     uint least = choose(slot, index, block.sx0, tiles_x, (tiles + GROUP - 1) / GROUP);
 
-    uint row = index / push.columns;
-    uint col = index % push.columns;
-    bool wraps = push.tileable != 0;
+    if (lane == 0) {
+        painted = painted_fields(index);
+    }
+    barrier();
+    int row = int(index / push.columns);
+    int col = int(index % push.columns);
     bool joined[4];
-    joined[LEFT] = (col > 0 || wraps) && placed(row, col > 0 ? col - 1 : push.columns - 1);
-    joined[TOP] = (row > 0 || wraps) && placed(row > 0 ? row - 1 : push.rows - 1, col);
-    joined[RIGHT] = (col + 1 < push.columns || wraps) && placed(row, col + 1 < push.columns ? col + 1 : 0);
-    joined[BOTTOM] = (row + 1 < push.rows || wraps) && placed(row + 1 < push.rows ? row + 1 : 0, col);
+    joined[LEFT] = placed(row, col, 0, -1);
+    joined[TOP] = placed(row, col, -1, 0);
+    joined[RIGHT] = placed(row, col, 0, 1);
+    joined[BOTTOM] = placed(row, col, 1, 0);
     for (uint side = 0; side < 4; side++) {
         if (joined[side]) {
             cut(block, side);
@@ -271,7 +280,7 @@ void main() {
                         dx + overlap - block.width > cuts[RIGHT * MAX_BLOCK + dy]);
         keep = keep || (joined[BOTTOM] && dy + overlap >= block.height &&
                         dy + overlap - block.height > cuts[BOTTOM * MAX_BLOCK + dx]);
-        keep = keep && imageLoad(canvas, ivec2(x, y)).r >= PAINTED;
+        keep = keep && canvas_at(block, dx, dy) >= PAINTED;
         if (!keep) {
             uvec2 from = position + uvec2(dx, dy);
             uint texel = imageLoad(sample_texels, ivec2(from)).r;

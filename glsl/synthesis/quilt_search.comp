@@ -42,10 +42,11 @@ layout(push_constant) uniform Push {
 // Texels of a block's row that are compared at a time: 4, 5 or 6, whichever wastes least at the ends of runs.
 layout(constant_id = 0) const int CHUNK = 4;
 
+#include "fields.glsl"
+
 // So many products of two colours can be summed in a float without rounding: 86 * 3 * 255^2 < 2^24.
 const int EXACT_TEXELS = 86;
 
-// Bit 3 * band + field of the painted fields.
 shared uint painted;
 shared uint least[GROUP];
 
@@ -72,35 +73,6 @@ vec3 load_block(int x, int y, int dx, int end) {
 #define POSITION(s, p0, p1, p2, p3, p4, p5)                                                                            \
     s += dot(p0, b0) + dot(p1, b1) + dot(p2, b2) + dot(p3, b3);                                                        \
     s += CHUNK > 5 ? dot(p4, b4) + dot(p5, b5) : CHUNK > 4 ? dot(p4, b4) : 0.0;
-
-// Whether the neighbour `dx`, `dy` blocks away (-1, 0 or 1) is placed.
-bool placed(int row, int col, int dy, int dx) {
-    ivec2 grid = ivec2(push.columns, push.rows);
-    ivec2 at = ivec2(col + dx, row + dy);
-    if (push.tileable != 0) {
-        at = (at + grid) % grid;
-    } else if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, grid))) {
-        return false;
-    }
-    return blocks[at.y * grid.x + at.x].state == STATE_PLACED;
-}
-
-uint painted_fields(uint index) {
-    int row = int(index / push.columns);
-    int col = int(index % push.columns);
-    uint fields = 0;
-    for (int dy = -1; dy <= 1; dy++) {
-        for (int dx = -1; dx <= 1; dx++) {
-            if ((dx != 0 || dy != 0) && placed(row, col, dy, dx)) {
-                // A neighbour straight above reaches into all three fields of the top band, and so on.
-                uint across = dx < 0 ? 1u : dx > 0 ? 4u : 7u;
-                uint down = dy < 0 ? 1u : dy > 0 ? 64u : 73u;
-                fields |= across * down;
-            }
-        }
-    }
-    return fields;
-}
 
 void main() {
     uint lane = gl_LocalInvocationID.x;

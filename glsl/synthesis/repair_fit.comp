@@ -3,7 +3,7 @@
 //
 // One workgroup a block. A block answers for its cell: its part of the output up to the middle of its overlaps. It is
 // synthesised anew when a covered pixel of the cell has no carried texture, when the carried texture is stretched,
-// compressed or turned too far on more than a quarter of the cell, or when it comes from another part of the sample than
+// compressed or turned too far on more than half of the cell, or when it comes from another part of the sample than
 // the cell's shade now asks for.
 // Stretch: the way from a pixel's place to those of its neighbours to the right and below is the Jacobian J of screen
 // to sample. Its singular values must lie within [least, most], and it must not turn by more than 30 degrees.
@@ -19,7 +19,7 @@
 layout(local_size_x = 128) in;
 
 layout(binding = 0, r32ui) uniform readonly uimage2D guide;
-layout(binding = 1, rg32ui) uniform readonly uimage2D carried;
+layout(binding = 1, rgba16ui) uniform readonly uimage2D carried;
 layout(binding = 2, std430) buffer Blocks { Block blocks[]; };
 
 layout(push_constant) uniform Push {
@@ -96,7 +96,7 @@ void main() {
             continue;
         }
         my_cell++;
-        uvec2 place = imageLoad(carried, at).rg;
+        uvec4 place = imageLoad(carried, at);
         ivec2 here = steps_of(place);
         if (!is_present(place) || !in_sample(here, sample_size)) {
             my_missing++;
@@ -105,8 +105,8 @@ void main() {
         my_edge += here.x - STEPS * int(in_block.x);
         // At the edge of the picture a pixel is its own neighbour, which is not one piece.
         ivec2 last = ivec2(push.output_width, push.output_height) - 1;
-        uvec2 place_right = imageLoad(carried, min(at + ivec2(1, 0), last)).rg;
-        uvec2 place_down = imageLoad(carried, min(at + ivec2(0, 1), last)).rg;
+        uvec4 place_right = imageLoad(carried, min(at + ivec2(1, 0), last));
+        uvec4 place_down = imageLoad(carried, min(at + ivec2(0, 1), last));
         ivec2 right = steps_of(place_right) - here;
         ivec2 down = steps_of(place_down) - here;
         bool one_piece = is_present(place_right) && is_present(place_down) && follows(right, ivec2(1, 0)) &&
@@ -130,7 +130,7 @@ void main() {
         int present = int(cell_pixels - missing);
         int low = STEPS * (int(window.x) - int(push.slack)) * present;
         int high = STEPS * (int(window.y) + int(push.slack)) * present;
-        bool keep = missing == 0 && 4 * misfits <= cell_pixels && edge_sum >= low && edge_sum <= high;
+        bool keep = missing == 0 && 2 * misfits <= cell_pixels && edge_sum >= low && edge_sum <= high;
         state = keep ? STATE_PLACED : STATE_PENDING;
     }
     blocks[index].sx0 = window.x;

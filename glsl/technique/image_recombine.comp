@@ -2,10 +2,10 @@
 // Image-based technique, last stage: colour by shade from the trajectory, plus the texture difference that the
 // synthesis brought to the pixel, clipped (thesis chapter 6, figure 6.1). One dispatch for each paint; pixels of others
 // stay.
-// In:  tone, guide, the synthesis's source coordinates, the paint's texture difference and trajectory.
+// In:  tone, guide, the synthesis's source coordinates, the paint's texture difference, the paints' colours.
 // Out: frame, straight alpha, background 0.
 #extension GL_GOOGLE_include_directive : require
-#include "recombine.glsl"
+#include "paint.glsl"
 
 layout(local_size_x = 16, local_size_y = 8) in;
 
@@ -13,7 +13,7 @@ layout(binding = 0, r32f) uniform readonly image2D tone;
 layout(binding = 1, r32ui) uniform readonly uimage2D guide;
 layout(binding = 2, r32ui) uniform readonly uimage2D source;
 layout(binding = 3, rgba32f) uniform readonly image2D difference;
-layout(binding = 4, std430) readonly buffer Trajectory { vec4 colors[]; };
+layout(binding = 4, r32ui) uniform readonly uimage2D colors;
 layout(binding = 5, rgba8) uniform writeonly image2D frame;
 
 layout(push_constant) uniform Push {
@@ -35,10 +35,8 @@ void main() {
         }
         return;
     }
-    float place = imageLoad(tone, p).r * float(colors.length() - 1);
-    int i = clamp(int(place), 0, colors.length() - 1);
-    vec3 color = mix(colors[i].rgb, colors[min(i + 1, colors.length() - 1)].rgb, place - float(i));
+    vec3 color = unpackUnorm4x8(imageLoad(colors, color_place(imageLoad(tone, p).r, push.paint - 1)).r).rgb;
     uint from = imageLoad(source, p).r;
     vec3 texture_difference = imageLoad(difference, ivec2(from & 0xffffu, from >> 16)).rgb;
-    imageStore(frame, p, recombined(color, texture_difference, push.show));
+    imageStore(frame, p, shown(color, texture_difference, push.show));
 }

@@ -86,6 +86,8 @@ impl<'a> Painter<'a> {
                     technique.carry(
                         &context,
                         &mut uploads,
+                        &guides,
+                        &all,
                         &image,
                         &impasto::synthesis::repair::RepairParams { stretch, slack },
                     )?;

@@ -282,13 +282,18 @@ impl<'a> Recorder<'a> {
 
     /// Sets every texel of the images to zero.
     pub(crate) fn clear_images(&mut self, name: &'static str, images: &[&Image]) {
+        self.fill_images(name, images, 0);
+    }
+
+    /// Sets every channel of every texel of the images, which hold integers unless it is 0, to `value`.
+    pub(crate) fn fill_images(&mut self, name: &'static str, images: &[&Image], value: u32) {
         let uses: Vec<_> = images.iter().map(|image| Use::Image(image, Access::TransferDiscard)).collect();
         self.pass(name, &uses, |device, commands| {
             let layout = Access::TransferDiscard.info().layout;
             for image in images {
-                let zero = vk::ClearColorValue { uint32: [0; 4] };
+                let color = vk::ClearColorValue { uint32: [value; 4] };
                 // SAFETY: the image is live, of a colour format and in the transfer layout.
-                unsafe { device.cmd_clear_color_image(commands, image.handle(), layout, &zero, &[image.range()]) };
+                unsafe { device.cmd_clear_color_image(commands, image.handle(), layout, &color, &[image.range()]) };
             }
         });
     }

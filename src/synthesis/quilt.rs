@@ -11,7 +11,7 @@
 //! texels) and, for each pixel, where in the sample it came from.
 
 use super::params::{BlockRecord, Layout, QuiltParams};
-use super::repair::{FitPush, KeepPush};
+use super::repair::FitPush;
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Runner,
     Shader, Uploads,
@@ -35,6 +35,9 @@ const ERRORS_BYTES: u64 = 64 << 20;
 const PLACE_COMPARISONS: u64 = 250_000;
 /// Pixel comparisons after which a step of the search is cut, so that a submission can be kept short.
 const STEP_COMPARISONS: u64 = 200_000_000;
+/// About how many positions a repair compares: where there are more, every second row of them, or every third, and so
+/// on, another set in each frame. A frame's repairs must not cost more than the frame.
+const REPAIR_POSITIONS: u32 = 2048;
 
 pub(crate) const QUILT_GUIDE: Shader = Shader {
     name: "quilt_guide",
@@ -139,11 +142,17 @@ struct MatchPush {
     output: [u32; 2],
     sample_height: u32,
     block_px: u32,
+    overlap_px: u32,
+    tileable: u32,
+    columns: u32,
+    rows: u32,
     first_block: u32,
     first_group: u32,
     groups_per_block: u32,
     canvas_weight: u32,
     previous_weight: u32,
+    first_row: u32,
+    row_step: u32,
 }
 
 #[repr(C)]
@@ -161,6 +170,8 @@ struct PlacePush {
     tolerance: u32,
     seed: u32,
     frame: u32,
+    first_row: u32,
+    row_step: u32,
 }
 
 /// A structure that Rust and GLSL share: its file below glsl/, its name there, its size, and Rust's fields with their
@@ -184,14 +195,13 @@ pub fn shared_structs() -> Vec<SharedStruct> {
         shared!("synthesis/quilt_search.comp", "uniform Push", SearchPush,
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block),
         shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,
-            output sample_height block_px first_block first_group groups_per_block canvas_weight previous_weight),
+            output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
+            canvas_weight previous_weight first_row row_step),
         shared!("synthesis/repair_fit.comp", "uniform Push", FitPush,
             output sample block_px overlap_px columns rows paint window_px slack least most),
-        shared!("synthesis/repair_keep.comp", "uniform Push", KeepPush,
-            sample block_px overlap_px columns rows paint),
         shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
             output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
-            frame),
+            frame first_row row_step),
     ]
 }
 
@@ -200,7 +210,8 @@ pub struct QuiltStages {
     guide: ComputePipeline,
     /// One for each size of chunk, 4, 5 and 6.
     search: [ComputePipeline; 3],
-    matching: ComputePipeline,
+    /// Without and with another picture to match.
+    matching: [ComputePipeline; 2],
     place: ComputePipeline,
 }
 
@@ -211,10 +222,11 @@ impl QuiltStages {
     /// [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context) -> Result<Arc<Self>> {
         let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk]);
+        let matching = |previous| ComputePipeline::specialized(context, &QUILT_MATCH, &[previous]);
         Ok(Arc::new(QuiltStages {
             guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
             search: [search(4)?, search(5)?, search(6)?],
-            matching: ComputePipeline::new(context, &QUILT_MATCH)?,
+            matching: [matching(0)?, matching(1)?],
             place: ComputePipeline::new(context, &QUILT_PLACE)?,
         }))
     }
@@ -265,7 +277,7 @@ impl SampleTexels {
         Ok(SampleTexels { image: texels, squares, size })
     }
 
-    pub(super) fn image(&self) -> &Image {
+    pub(crate) fn image(&self) -> &Image {
         &self.image
     }
 
@@ -342,7 +354,8 @@ pub(super) enum Step {
 enum Search {
     /// What is painted in its overlaps.
     Overlap(BindingSet),
-    /// What is painted on the canvas and on another picture; how much a pixel of either counts.
+    /// What is painted around it on any side, and, unless its weight is 0, another picture; how much a pixel of either
+    /// counts.
     Weighted { set: BindingSet, canvas_weight: u32, previous_weight: u32 },
 }
 
@@ -352,6 +365,8 @@ pub(super) struct Waves {
     place_set: BindingSet,
     /// With their cost in pixel comparisons.
     steps: Vec<(Step, u64)>,
+    /// Every how many rows of positions are compared.
+    pub(super) row_step: u32,
 }
 
 /// One quilting, ready to be recorded.
@@ -370,6 +385,8 @@ pub struct Quilt {
     waves: Waves,
     errors: [Buffer; 2],
     groups_per_block: u32,
+    /// Columns of positions that a block is searched at, at most.
+    columns: u32,
     /// Blocks that the buffers of errors have room for.
     batch: u32,
     most_groups: u32,
@@ -422,7 +439,9 @@ impl Quilt {
             .map(|p| BlockData { x: p.x, y: p.y, width: p.width, height: p.height, ..bytemuck::Zeroable::zeroed() })
             .collect();
         let desc = ImageDesc::storage_2d(output.0, output.1, vk::Format::R32_UINT);
-        let canvas = Image::new(context, "quilt canvas", &desc)?;
+        // A technique may draw what stays of the last frame to it.
+        let drawn = ImageDesc::drawn(output.0, output.1, vk::Format::R32_UINT);
+        let canvas = Image::new(context, "quilt canvas", &ImageDesc { usage: drawn.usage | desc.usage, ..desc })?;
         let source = Image::new(context, "quilt source", &desc)?;
         let picture = |_| Image::new(context, "quilt previous", &desc);
         let previous = previous_weight.map(picture).transpose()?;
@@ -443,6 +462,7 @@ impl Quilt {
             search: targets.search(context, &order, params, compared)?,
             place_set: targets.place_set(context, &order)?,
             steps: steps(params, &layout.waves, groups_per_block, batch, most_groups),
+            row_step: 1,
         };
         Ok(Quilt {
             stages: stages.clone(),
@@ -458,29 +478,35 @@ impl Quilt {
             waves,
             errors,
             groups_per_block,
+            columns,
             batch,
             most_groups,
         })
     }
 
-    /// Other waves of the same blocks, which match the canvas where it is painted on any side, and `previous` with a
-    /// weight against it.
-    pub(super) fn other_waves(
+    /// Other waves of the same blocks, which match what stays on the canvas on any side. `unused` is any other picture,
+    /// R32_UINT, to fill a binding.
+    pub(super) fn repair_waves(
         &self,
         context: &Context,
         uploads: &mut Uploads,
         sample: &SampleTexels,
         waves: &[Vec<u32>],
-        (previous, weights): (&Image, [u32; 2]),
+        unused: &Image,
     ) -> Result<Waves> {
         let (canvas, source) = (&self.canvas, &self.source);
         let targets =
             Targets { stages: &self.stages, sample, canvas, source, blocks: &self.blocks, errors: &self.errors };
         let order = targets.order(context, uploads, waves)?;
+        let rows = self.sample_size.1 - self.params.block_px + 1;
+        let columns = self.columns;
+        let row_step = (rows * columns / REPAIR_POSITIONS).clamp(1, rows);
+        let groups = (columns.div_ceil(TILE) * rows.div_ceil(row_step)).div_ceil(GROUP);
         Ok(Waves {
-            search: targets.search(context, &order, &self.params, Some((previous, weights)))?,
+            search: targets.search(context, &order, &self.params, Some((unused, [1, 0])))?,
             place_set: targets.place_set(context, &order)?,
-            steps: steps(&self.params, waves, self.groups_per_block, self.batch, self.most_groups),
+            steps: steps(&self.params, waves, groups, self.batch, self.most_groups),
+            row_step,
         })
     }
 
@@ -582,9 +608,13 @@ impl Quilt {
     ) {
         let params = &self.params;
         let output = [self.layout.output.0, self.layout.output.1];
+        // Every row has its turn.
+        let first_row = frame % waves.row_step;
         for (step, _) in waves.steps.get(part).unwrap_or_default() {
             match step.clone() {
-                Step::Search { blocks, groups } => self.record_search(recorder, &waves.search, blocks, groups),
+                Step::Search { blocks, groups } => {
+                    self.record_search(recorder, &waves.search, (first_row, waves.row_step), blocks, groups);
+                }
                 Step::Place { blocks } => {
                     let push = PlacePush {
                         output,
@@ -599,6 +629,8 @@ impl Quilt {
                         tolerance: params.tolerance_e4(),
                         seed,
                         frame,
+                        first_row,
+                        row_step: waves.row_step,
                     };
                     recorder.dispatch(&self.stages.place, &waves.place_set, &push, [blocks.len() as u32, 1, 1]);
                 }
@@ -606,7 +638,14 @@ impl Quilt {
         }
     }
 
-    fn record_search(&self, recorder: &mut Recorder<'_>, search: &Search, blocks: Range<u32>, groups: Range<u32>) {
+    fn record_search(
+        &self,
+        recorder: &mut Recorder<'_>,
+        search: &Search,
+        (first_row, row_step): (u32, u32),
+        blocks: Range<u32>,
+        groups: Range<u32>,
+    ) {
         let params = &self.params;
         let output = [self.layout.output.0, self.layout.output.1];
         let count = [groups.len() as u32, blocks.len() as u32, 1];
@@ -631,13 +670,20 @@ impl Quilt {
                     output,
                     sample_height: self.sample_size.1,
                     block_px: params.block_px,
+                    overlap_px: params.overlap_px,
+                    tileable: u32::from(params.tileable),
+                    columns: self.layout.columns,
+                    rows: self.layout.rows,
                     first_block: blocks.start,
                     first_group: groups.start,
                     groups_per_block: self.groups_per_block,
                     canvas_weight: *canvas_weight,
                     previous_weight: *previous_weight,
+                    first_row,
+                    row_step,
                 };
-                recorder.dispatch(&self.stages.matching, set, &push, count);
+                let stage = &self.stages.matching[usize::from(*previous_weight > 0)];
+                recorder.dispatch(stage, set, &push, count);
             }
         }
     }
@@ -714,7 +760,7 @@ impl Targets<'_> {
             return Ok(Search::Overlap(BindingSet::new(context, &self.stages.search[chunk(params)], &bound)?));
         };
         let bound = [&[texels.into(), canvas.into(), previous.into()], &after[..]].concat();
-        let set = BindingSet::new(context, &self.stages.matching, &bound)?;
+        let set = BindingSet::new(context, &self.stages.matching[0], &bound)?;
         Ok(Search::Weighted { set, canvas_weight, previous_weight })
     }
 

@@ -3,24 +3,28 @@
 //!
 //! Carrying gives each pixel a *place*: where in the sample its texture comes from, in 1/64 texels ([`STEPS`]).
 //! `repair_fit` decides for each block whether its carried texture stays: it does unless a pixel has none, or it is
-//! stretched, compressed or turned too far, or its shade now asks for another part of the sample. `repair_keep` makes the
-//! canvas of what stays. Then the other blocks are placed as in quilting: `quilt_match` searches, and `quilt_place`
-//! chooses, cuts and pastes; here with cuts on all sides on which texture stays. Blocks are placed in four rounds, by odd
-//! and even rows and columns, since no two blocks of a round share a pixel.
+//! stretched, compressed or turned too far, or its shade now asks for another part of the sample. Then the other blocks
+//! are placed as in quilting: `quilt_match` searches, and `quilt_place` chooses, cuts and pastes; here with cuts on all
+//! sides on which texture stays. What stays is what a block holds that keeps its texture. Blocks are placed in four
+//! rounds, by even and odd rows and columns, since no two blocks of a round share a pixel.
 //!
 //! The technique carries the places and draws from them; [`super::repair_oracle`] is the plain CPU twin.
 
 use super::params::{Layout, QuiltParams};
 use super::quilt::{Quilt, QuiltGuide, SampleTexels, Waves};
-use crate::gpu::{
-    Access, BindingKind, BindingSet, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader, Uploads,
-};
+use crate::gpu::{Access, BindingKind, BindingSet, ComputePipeline, Context, Image, Recorder, Shader, Uploads};
 use crate::{Error, Result};
 use ash::vk;
 use std::sync::Arc;
 
 /// Steps of a texel in a place, and of a pixel in motion.
 pub const STEPS: u32 = 64;
+
+/// How images hold places: x and y in 16 bits to a channel, low half first.
+pub const PLACES: vk::Format = vk::Format::R16G16B16A16_UINT;
+
+/// What [`Quilt::source`] has after a repair where nothing was pasted.
+pub const NOT_PASTED: u32 = u32::MAX;
 
 pub(crate) const REPAIR_FIT: Shader = Shader {
     name: "repair_fit",
@@ -31,21 +35,6 @@ pub(crate) const REPAIR_FIT: Shader = Shader {
         BindingKind::Buffer(Access::ComputeReadWrite),
     ],
     push_bytes: size_of::<FitPush>() as u32,
-};
-
-pub(crate) const REPAIR_KEEP: Shader = Shader {
-    name: "repair_keep",
-    spirv: include_bytes!("../../glsl/spirv/synthesis/repair_keep.comp.spv"),
-    bindings: &[
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeWrite),
-        BindingKind::Image(Access::ComputeWrite),
-        BindingKind::Image(Access::ComputeWrite),
-    ],
-    push_bytes: size_of::<KeepPush>() as u32,
 };
 
 #[repr(C)]
@@ -62,17 +51,6 @@ pub(crate) struct FitPush {
     pub slack: u32,
     pub least: u32,
     pub most: u32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct KeepPush {
-    pub sample: [u32; 2],
-    pub block_px: u32,
-    pub overlap_px: u32,
-    pub columns: u32,
-    pub rows: u32,
-    pub paint: u32,
 }
 
 /// When carried texture no longer fits.
@@ -121,7 +99,6 @@ impl RepairParams {
 /// The compiled stages of a repair, besides those of quilting.
 pub struct RepairStages {
     fit: ComputePipeline,
-    keep: ComputePipeline,
 }
 
 impl RepairStages {
@@ -130,10 +107,7 @@ impl RepairStages {
     /// # Errors
     /// [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context) -> Result<Arc<Self>> {
-        Ok(Arc::new(RepairStages {
-            fit: ComputePipeline::new(context, &REPAIR_FIT)?,
-            keep: ComputePipeline::new(context, &REPAIR_KEEP)?,
-        }))
+        Ok(Arc::new(RepairStages { fit: ComputePipeline::new(context, &REPAIR_FIT)? }))
     }
 }
 
@@ -144,13 +118,12 @@ pub struct Repair {
     guide: QuiltGuide,
     waves: Waves,
     fit_set: BindingSet,
-    keep_set: BindingSet,
 }
 
 impl Repair {
-    /// Prepares to repair `quilt`, which is guided and not tileable and was made of `sample`, where `carried`
-    /// (R32G32_UINT, of the output's size) has its places: x in steps, y in steps with the highest bit set; 0, 0 where
-    /// there is none.
+    /// Prepares to repair `quilt`, which is guided and not tileable and was made of `sample`. When it is recorded,
+    /// `carried` (of the output's size, in the format [`PLACES`]) has the places of the quilt's paint, x and y in steps of
+    /// 32 bits, the highest bit of y set where there is one; and the canvas has the texels nearest to them.
     ///
     /// # Errors
     /// [`Error::Parameter`] for parameters out of range or a quilting that cannot be repaired; [`Error::Memory`] when
@@ -173,26 +146,10 @@ impl Repair {
             let [w, h, _] = carried.size_px();
             return Err(Error::parameter("carried places", format!("{w}x{h}"), format!("{width}x{height}")));
         }
-        let desc = ImageDesc::storage_2d(width, height, vk::Format::R32_UINT);
-        let previous = Image::new(context, "repair previous", &desc)?;
-        let weights = [1, 0];
-        let waves = quilt.other_waves(context, uploads, sample, &rounds(&quilt.layout), (&previous, weights))?;
-        let blocks = &quilt.blocks;
-        let fit_set = BindingSet::new(context, &stages.fit, &[(&guide.image).into(), carried.into(), blocks.into()])?;
-        let keep_set = BindingSet::new(
-            context,
-            &stages.keep,
-            &[
-                (&guide.image).into(),
-                carried.into(),
-                sample.image().into(),
-                blocks.into(),
-                quilt.canvas().into(),
-                (&previous).into(),
-                quilt.source().into(),
-            ],
-        )?;
-        Ok(Repair { stages: stages.clone(), params: *params, guide, waves, fit_set, keep_set })
+        let waves = quilt.repair_waves(context, uploads, sample, &rounds(&quilt.layout), &guide.image)?;
+        let bound = [(&guide.image).into(), carried.into(), (&quilt.blocks).into()];
+        let fit_set = BindingSet::new(context, &stages.fit, &bound)?;
+        Ok(Repair { stages: stages.clone(), params: *params, guide, waves, fit_set })
     }
 
     /// Records the repair of `quilt`, that which this was made for. Its [`Quilt::source`] then holds where in the sample
@@ -217,10 +174,8 @@ impl Repair {
             least,
             most,
         };
-        let groups = quilt.groups_by_block();
-        recorder.dispatch(&self.stages.fit, &self.fit_set, &push, groups);
-        let push = KeepPush { sample, block_px, overlap_px, columns, rows, paint: self.guide.paint };
-        recorder.dispatch(&self.stages.keep, &self.keep_set, &push, groups);
+        recorder.fill_images("repair_clear", &[quilt.source()], NOT_PASTED);
+        recorder.dispatch(&self.stages.fit, &self.fit_set, &push, quilt.groups_by_block());
         quilt.record_waves(recorder, &self.waves, .., seed, frame);
     }
 }

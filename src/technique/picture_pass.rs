@@ -12,31 +12,29 @@ use crate::Result;
 /// The vertex shader of all of them: picture.vert.
 pub(super) const PICTURE: &[u8] = include_bytes!("../../glsl/spirv/technique/picture.vert.spv");
 
-/// The pass, with the frame that it draws.
+/// The pass.
 pub(super) struct PicturePass {
     pass: RenderPass,
     target: Framebuffer,
     pipeline: RasterPipeline,
-    frame: Image,
 }
 
 impl PicturePass {
-    /// Prepares to run a shader, whose vertex shader is [`PICTURE`], over the pixels that `depth` has something at.
+    /// Prepares to run a shader, whose vertex shader is [`PICTURE`] and which writes `images`, of one size, over the pixels
+    /// that `depth` has something at. Elsewhere they become 0.
     ///
     /// # Errors
     /// [`crate::Error::Memory`] when the budget does not allow it, [`crate::Error::Vulkan`] when a call fails.
-    pub fn new(context: &Context, shader: RasterShader, depth: &Image) -> Result<Self> {
-        let [width, height, _] = depth.size_px();
-        let frame = Image::new(context, shader.name, &ImageDesc::frame(width, height))?;
-        let attachments = [
-            Attachment { format: frame.format(), role: Role::Color },
-            Attachment { format: depth.format(), role: Role::DepthBefore },
-        ];
+    pub fn new(context: &Context, shader: RasterShader, images: &[&Image], depth: &Image) -> Result<Self> {
+        let color = |image: &&Image| Attachment { format: image.format(), role: Role::Color };
+        let mut attachments: Vec<Attachment> = images.iter().map(color).collect();
+        attachments.push(Attachment { format: depth.format(), role: Role::DepthBefore });
         let pass = RenderPass::new(context, shader.name, &attachments)?;
-        let target = Framebuffer::new(context, &pass, &[&frame, depth])?;
+        let images: Vec<&Image> = images.iter().copied().chain([depth]).collect();
+        let target = Framebuffer::new(context, &pass, &images)?;
         let desc = RasterDesc { shader, vertex_bytes: 0, attributes: &[], cull_back: false, constants: &[] };
         let pipeline = RasterPipeline::new(context, &pass, &desc)?;
-        Ok(PicturePass { pass, target, pipeline, frame })
+        Ok(PicturePass { pass, target, pipeline })
     }
 
     /// What binding sets are made for.
@@ -44,14 +42,16 @@ impl PicturePass {
         &self.pipeline
     }
 
-    /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
-    pub fn frame(&self) -> &Image {
-        &self.frame
+    /// Records the pass, a draw after the other; what they read must have been drawn before.
+    pub fn record<P: bytemuck::NoUninit>(&self, recorder: &mut Recorder<'_>, draws: &[(&BindingSet, P)]) {
+        let draws = draws.iter().map(|&(set, push)| Draw { set: Some(set), push, range: 0..3 });
+        let draws: Vec<_> = draws.collect();
+        recorder.draw(&self.pass, &self.target, &self.pipeline, None, &draws);
     }
+}
 
-    /// Records the pass; what it reads must have been drawn before.
-    pub fn record<P: bytemuck::NoUninit>(&self, recorder: &mut Recorder<'_>, set: &BindingSet, push: P) {
-        let draw = Draw { set: Some(set), push, range: 0..3 };
-        recorder.draw(&self.pass, &self.target, &self.pipeline, None, &[draw]);
-    }
+/// What a technique's picture pass draws to.
+pub(super) fn frame_for(context: &Context, name: &'static str, depth: &Image) -> Result<Image> {
+    let [width, height, _] = depth.size_px();
+    Image::new(context, name, &ImageDesc::frame(width, height))
 }

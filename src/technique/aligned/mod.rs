@@ -17,7 +17,7 @@ pub use level_texture::LevelTexture;
 pub use levels::{LevelParams, LevelPart, LevelSource, LevelVolume, Tileable};
 
 use super::colors::ColorTable;
-use super::picture_pass::{PicturePass, PICTURE};
+use super::picture_pass::{frame_for, PicturePass, PICTURE};
 use super::{check_paints, paint_picture, ShadeRange, Show};
 use crate::gpu::{Access, BindingKind, BindingSet, Context, Image, RasterShader, Recorder, Sampler, Uploads};
 use crate::paint::Trajectory;
@@ -115,6 +115,7 @@ pub struct AlignedTechnique {
     levels: LevelVolume,
     colors: ColorTable,
     pass: PicturePass,
+    frame: Image,
     set: BindingSet,
 }
 
@@ -143,7 +144,8 @@ impl AlignedTechnique {
             ));
         }
         let colors = ColorTable::new(context, uploads, trajectories.iter().copied())?;
-        let pass = PicturePass::new(context, ALIGNED, guides.depth())?;
+        let frame = frame_for(context, ALIGNED.name, guides.depth())?;
+        let pass = PicturePass::new(context, ALIGNED, &[&frame], guides.depth())?;
         let (repeat, clamp) = (vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE);
         let sampler = Sampler::linear(context, [repeat, repeat, clamp])?;
         let objects = paint_picture(context, uploads, paint_of_object)?;
@@ -155,7 +157,7 @@ impl AlignedTechnique {
             colors.image().into(),
         ];
         let set = BindingSet::new(context, pass.pipeline(), &bound)?;
-        Ok(AlignedTechnique { levels, colors, pass, set })
+        Ok(AlignedTechnique { levels, colors, pass, frame, set })
     }
 
     /// The levels, to prepare and to read.
@@ -183,7 +185,7 @@ impl AlignedTechnique {
             show: frame.show as u32,
             keep_contrast: u32::from(frame.blend == LevelBlend::Contrast),
         };
-        self.pass.record(recorder, &self.set, push);
+        self.pass.record(recorder, &[(&self.set, push)]);
         Ok(())
     }
 
@@ -203,6 +205,6 @@ impl AlignedTechnique {
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
     pub fn frame(&self) -> &Image {
-        self.pass.frame()
+        &self.frame
     }
 }

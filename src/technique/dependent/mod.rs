@@ -24,7 +24,7 @@ pub use views::ViewCoverage;
 
 use super::colors::ColorTable;
 use super::image::{GuidePush, IMAGE_GUIDE};
-use super::picture_pass::{PicturePass, PICTURE};
+use super::picture_pass::{frame_for, PicturePass, PICTURE};
 use super::{check_paints, Paint, ShadeRange, Show};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Draw, Image, ImageDesc,
@@ -191,6 +191,7 @@ pub struct DependentTechnique {
     mesh: MeshPass,
     index_count: u32,
     pass: PicturePass,
+    frame: Image,
     set: BindingSet,
 }
 
@@ -291,7 +292,8 @@ impl DependentTechnique {
             indices: &list,
         };
         let mesh_pass = MeshPass::new(context, uploads, mesh, &desc)?;
-        let pass = PicturePass::new(context, DEPENDENT, mesh_pass.depth())?;
+        let frame = frame_for(context, DEPENDENT.name, mesh_pass.depth())?;
+        let pass = PicturePass::new(context, DEPENDENT, &[&frame], mesh_pass.depth())?;
         let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
         let bound = [
             (&shade).into(),
@@ -315,6 +317,7 @@ impl DependentTechnique {
             mesh: mesh_pass,
             index_count: list.len() as u32,
             pass,
+            frame,
             set,
         })
     }
@@ -398,7 +401,7 @@ impl DependentTechnique {
             show: show as u32,
             keep_contrast: u32::from(self.params.keep_contrast),
         };
-        self.pass.record(recorder, &self.set, push);
+        self.pass.record(recorder, &[(&self.set, push)]);
         Ok(())
     }
 
@@ -433,7 +436,7 @@ impl DependentTechnique {
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
     pub fn frame(&self) -> &Image {
-        self.pass.frame()
+        &self.frame
     }
 }
 

@@ -8,91 +8,119 @@
 
 use super::{ImageTechnique, RecombinePush};
 use crate::gpu::{
-    Access, BindingKind, BindingSet, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader, Uploads,
+    Access, BindingKind, BindingSet, Context, Image, ImageDesc, RasterShader, Recorder, Sampler, Uploads,
 };
+use crate::scene::GuidePass;
 use crate::synthesis::quilt::Quilt;
-use crate::synthesis::repair::{Repair, RepairParams, RepairStages};
+use crate::synthesis::repair::{Repair, RepairParams, RepairStages, PLACES};
+use crate::technique::picture_pass::{PicturePass, PICTURE};
+use crate::technique::{Paint, Show};
 use crate::{Error, Result};
 use ash::vk;
 
-pub(crate) const IMAGE_CARRY: Shader = Shader {
+pub(crate) const IMAGE_CARRY: RasterShader = RasterShader {
     name: "image_carry",
-    spirv: include_bytes!("../../../glsl/spirv/technique/image_carry.comp.spv"),
+    vertex_spirv: PICTURE,
+    fragment_spirv: include_bytes!("../../../glsl/spirv/technique/image_carry.frag.spv"),
     bindings: &[
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeWrite),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
     ],
-    push_bytes: 0,
+    push_bytes: size_of::<CarryPush>() as u32,
 };
 
-pub(crate) const IMAGE_SETTLE: Shader = Shader {
+pub(crate) const IMAGE_SETTLE: RasterShader = RasterShader {
     name: "image_settle",
-    spirv: include_bytes!("../../../glsl/spirv/technique/image_settle.comp.spv"),
+    vertex_spirv: PICTURE,
+    fragment_spirv: include_bytes!("../../../glsl/spirv/technique/image_settle.frag.spv"),
     bindings: &[
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeWrite),
-        BindingKind::Image(Access::ComputeWrite),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
+        BindingKind::Sampled(Access::FragmentSampled),
+        BindingKind::Image(Access::FragmentRead),
     ],
     push_bytes: size_of::<RecombinePush>() as u32,
 };
 
-/// What carrying needs for all paints.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct CarryPush {
+    sample: [u32; 2],
+    paint: u32,
+}
+
+/// What carrying needs.
 pub(super) struct Carry {
-    carry_stage: ComputePipeline,
-    settle_stage: ComputePipeline,
+    layers: Vec<Layer>,
+    /// Draws all paints.
+    settle: PicturePass,
+}
+
+/// What it needs for a paint.
+struct Layer {
+    carry: PicturePass,
     carry_set: BindingSet,
-    /// A repair and the last stage for each paint.
-    layers: Vec<(Repair, BindingSet)>,
-    carried: Image,
+    push: CarryPush,
+    repair: Repair,
+    settle_set: BindingSet,
 }
 
 impl Carry {
-    /// Prepares to carry what `technique` paints.
+    /// Prepares to carry what `technique` paints over `guides`.
     pub(super) fn new(
         context: &Context,
         uploads: &mut Uploads,
         technique: &ImageTechnique,
+        guides: &GuidePass,
+        paints: &[Paint<'_>],
         motion: &Image,
         params: &RepairParams,
     ) -> Result<Self> {
         let size = technique.tone.size_px();
-        if motion.size_px() != size {
-            let shown = |[width, height, _]: [u32; 3]| format!("{width}x{height}");
-            return Err(Error::parameter("motion", shown(motion.size_px()), shown(size)));
+        for (name, picture) in [("motion", motion), ("guides", guides.shade())] {
+            if picture.size_px() != size {
+                let shown = |[width, height, _]: [u32; 3]| format!("{width}x{height}");
+                return Err(Error::parameter(name, shown(picture.size_px()), shown(size)));
+            }
         }
-        let image = |name| Image::new(context, name, &ImageDesc::storage_2d(size[0], size[1], vk::Format::R32G32_UINT));
-        let (places, carried) = (image("image places")?, image("image carried")?);
-        let carry_stage = ComputePipeline::new(context, &IMAGE_CARRY)?;
-        let settle_stage = ComputePipeline::new(context, &IMAGE_SETTLE)?;
-        let carry_set = BindingSet::new(
-            context,
-            &carry_stage,
-            &[motion.into(), (&technique.guide).into(), (&places).into(), (&carried).into()],
-        )?;
+        if paints.len() != technique.layers.len() {
+            let allowed = format!("the {} of the technique", technique.layers.len());
+            return Err(Error::parameter("paints", paints.len(), allowed));
+        }
+        let image = |name| Image::new(context, name, &ImageDesc::drawn(size[0], size[1], PLACES));
+        let places = image("image places")?;
+        let settle = PicturePass::new(context, IMAGE_SETTLE, &[&technique.frame, &places], guides.depth())?;
+        let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
         let stages = RepairStages::new(context)?;
-        let mut layers = Vec::with_capacity(technique.layers.len());
-        for layer in &technique.layers {
-            let repair = Repair::new(context, uploads, &stages, &layer.quilt, &layer.sample, &carried, params)?;
+        let mut layers = Vec::with_capacity(paints.len());
+        for ((number, layer), paint) in (1..).zip(&technique.layers).zip(paints) {
+            let (quilt, sample) = (&layer.quilt, &layer.sample);
+            let carried = image("image carried")?;
+            let carry = PicturePass::new(context, IMAGE_CARRY, &[&carried, quilt.canvas()], guides.depth())?;
+            let bound = [motion.into(), (&technique.guide).into(), (&places).into(), sample.image().into()];
+            let carry_set = BindingSet::new(context, carry.pipeline(), &bound)?;
+            let (width, height) = sample.size();
+            let repair = Repair::new(context, uploads, &stages, quilt, sample, &carried, params)?;
+            let desc = ImageDesc::sampled([width, height, 1], vk::Format::R8G8B8A8_UNORM);
+            let difference = Image::new(context, "texture difference", &desc)?;
+            uploads.image(context, &difference, bytemuck::cast_slice(&paint.texture.to_unorm8()))?;
             let bound = [
                 (&technique.tone).into(),
                 (&technique.guide).into(),
-                layer.quilt.source().into(),
+                quilt.source().into(),
                 (&carried).into(),
-                (&layer.difference).into(),
-                (&layer.colors).into(),
-                (&places).into(),
-                (&technique.frame).into(),
+                (&difference, &sampler).into(),
+                technique.colors.image().into(),
             ];
-            layers.push((repair, BindingSet::new(context, &settle_stage, &bound)?));
+            let settle_set = BindingSet::new(context, settle.pipeline(), &bound)?;
+            let push = CarryPush { sample: [width, height], paint: number };
+            layers.push(Layer { carry, carry_set, push, repair, settle_set });
         }
-        Ok(Carry { carry_stage, settle_stage, carry_set, layers, carried })
+        Ok(Carry { layers, settle })
     }
 
     /// Records carrying and repairs, from the guide on; `quilts` are those of the technique.
@@ -103,18 +131,16 @@ impl Carry {
         seed: u32,
         frame: u32,
     ) {
-        let [width, height, _] = self.carried.size_px();
-        let groups = [width.div_ceil(16), height.div_ceil(8), 1];
-        recorder.dispatch(&self.carry_stage, &self.carry_set, &(), groups);
-        for ((repair, _), quilt) in self.layers.iter().zip(quilts) {
-            repair.record(recorder, quilt, seed, frame);
+        for (layer, quilt) in self.layers.iter().zip(quilts) {
+            layer.carry.record(recorder, &[(&layer.carry_set, layer.push)]);
+            layer.repair.record(recorder, quilt, seed, frame);
         }
     }
 
-    /// Records the last stage for a paint.
-    pub(super) fn settle(&self, recorder: &mut Recorder<'_>, layer: usize, push: &RecombinePush, groups: [u32; 3]) {
-        if let Some((_, set)) = self.layers.get(layer) {
-            recorder.dispatch(&self.settle_stage, set, push, groups);
-        }
+    /// Records the last stage: places of the next frame, and the picture.
+    pub(super) fn settle(&self, recorder: &mut Recorder<'_>, show: Show) {
+        let draw = |layer: &Layer| RecombinePush { paint: layer.push.paint, show: show as u32 };
+        let draws: Vec<_> = self.layers.iter().map(|layer| (&layer.settle_set, draw(layer))).collect();
+        self.settle.record(recorder, &draws);
     }
 }

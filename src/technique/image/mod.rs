@@ -9,6 +9,8 @@
 //! Frames of a sequence that are synthesised each for itself flicker: the model looks as if it was seen through a shower
 //! door. Two things help: [`ImageParams::previous`] as the thesis has it, and [`ImageTechnique::carry`] beyond it.
 
+use super::colors::ColorTable;
+use super::picture_pass::frame_for;
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader,
     Uploads,
@@ -53,7 +55,7 @@ pub(crate) const IMAGE_RECOMBINE: Shader = Shader {
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeWrite),
     ],
     push_bytes: size_of::<RecombinePush>() as u32,
@@ -117,15 +119,12 @@ pub struct ImagePart(Part);
 enum Part {
     Guide,
     Quilt(usize, Range<usize>),
-    Recombine(usize),
+    Recombine,
 }
 
 struct Layer {
     sample: SampleTexels,
     quilt: Quilt,
-    difference: Image,
-    colors: Buffer,
-    color_count: usize,
     recombine_set: BindingSet,
 }
 
@@ -138,6 +137,7 @@ pub struct ImageTechnique {
     tone: Image,
     guide: Image,
     frame: Image,
+    colors: ColorTable,
     layers: Vec<Layer>,
     carry: Option<Carry>,
 }
@@ -165,7 +165,8 @@ impl ImageTechnique {
         let image = |name, format| Image::new(context, name, &ImageDesc::storage_2d(width, height, format));
         let tone = image("image tone", vk::Format::R32_SFLOAT)?;
         let guide = image("image guide", vk::Format::R32_UINT)?;
-        let frame = image("image frame", vk::Format::R8G8B8A8_UNORM)?;
+        let frame = frame_for(context, "image frame", guides.depth())?;
+        let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
         let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
         let objects = storage("paint of object", size_of_val(paint_of_object) as u64)?;
         uploads.buffer(context, &objects, bytemuck::cast_slice(paint_of_object))?;
@@ -187,9 +188,6 @@ impl ImageTechnique {
             let difference = Image::new(context, "texture difference", &desc)?;
             let texels: Vec<[f32; 4]> = paint.texture.pixels().iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
             uploads.image(context, &difference, bytemuck::cast_slice(&texels))?;
-            let color_count = paint.trajectory.len();
-            let colors = storage("trajectory", color_count as u64 * 16)?;
-            uploads.buffer(context, &colors, bytemuck::cast_slice(&rgba(paint.trajectory)))?;
             let recombine_set = bind(
                 &recombine_stage,
                 &[
@@ -197,11 +195,11 @@ impl ImageTechnique {
                     (&guide).into(),
                     quilt.source().into(),
                     (&difference).into(),
-                    (&colors).into(),
+                    colors.image().into(),
                     (&frame).into(),
                 ],
             )?;
-            layers.push(Layer { sample, quilt, difference, colors, color_count, recombine_set });
+            layers.push(Layer { sample, quilt, recombine_set });
         }
         Ok(ImageTechnique {
             params: *params,
@@ -211,6 +209,7 @@ impl ImageTechnique {
             tone,
             guide,
             frame,
+            colors,
             layers,
             carry: None,
         })
@@ -222,7 +221,7 @@ impl ImageTechnique {
         for (i, layer) in self.layers.iter().enumerate() {
             parts.extend(layer.quilt.parts(comparisons).into_iter().map(|part| ImagePart(Part::Quilt(i, part))));
         }
-        parts.extend((0..self.layers.len()).map(|i| ImagePart(Part::Recombine(i))));
+        parts.push(ImagePart(Part::Recombine));
         parts
     }
 
@@ -236,10 +235,12 @@ impl ImageTechnique {
         &mut self,
         context: &Context,
         uploads: &mut Uploads,
+        guides: &GuidePass,
+        paints: &[Paint<'_>],
         motion: &Image,
         params: &RepairParams,
     ) -> Result<()> {
-        self.carry = Some(Carry::new(context, uploads, self, motion, params)?);
+        self.carry = Some(Carry::new(context, uploads, self, guides, paints, motion, params)?);
         Ok(())
     }
 
@@ -256,7 +257,7 @@ impl ImageTechnique {
             return self.record(recorder, seed, frame);
         };
         self.record_part(recorder, &ImagePart(Part::Guide), seed, frame);
-        carry.record(recorder, self.layers.iter().map(|layer| &layer.quilt), seed, frame);
+        carry.record(recorder, self.quilts(), seed, frame);
         self.record_recombine(recorder, Show::Painted);
     }
 
@@ -281,26 +282,22 @@ impl ImageTechnique {
                     layer.quilt.record_part(recorder, steps.clone(), seed, frame);
                 }
             }
-            Part::Recombine(layer) => self.recombine(recorder, *layer, Show::Painted),
+            Part::Recombine => self.record_recombine(recorder, Show::Painted),
         }
     }
 
     /// Records the frame's drawing alone: enough after [`ImageTechnique::set_trajectory`], and to see colour or texture
     /// by itself.
     pub fn record_recombine(&self, recorder: &mut Recorder<'_>, show: Show) {
-        for layer in 0..self.layers.len() {
-            self.recombine(recorder, layer, show);
+        if let Some(carry) = &self.carry {
+            carry.settle(recorder, show);
+            return;
         }
-    }
-
-    fn recombine(&self, recorder: &mut Recorder<'_>, layer: usize, show: Show) {
         let [width, height, _] = self.tone.size_px();
-        let push = RecombinePush { paint: layer as u32 + 1, show: show as u32 };
         let groups = [width.div_ceil(16), height.div_ceil(8), 1];
-        match (&self.carry, self.layers.get(layer)) {
-            (Some(carry), _) => carry.settle(recorder, layer, &push, groups),
-            (None, Some(layer)) => recorder.dispatch(&self.recombine_stage, &layer.recombine_set, &push, groups),
-            (None, None) => {}
+        for (number, layer) in (1..).zip(&self.layers) {
+            let push = RecombinePush { paint: number, show: show as u32 };
+            recorder.dispatch(&self.recombine_stage, &layer.recombine_set, &push, groups);
         }
     }
 
@@ -309,17 +306,13 @@ impl ImageTechnique {
     /// # Errors
     /// [`Error::Parameter`] when there is no such paint, [`Error::Memory`] when the budget does not allow it.
     pub fn set_trajectory(
-        &self,
+        &mut self,
         context: &Context,
         uploads: &mut Uploads,
         paint: usize,
         trajectory: &Trajectory,
     ) -> Result<()> {
-        let Some(layer) = self.layers.get(paint) else {
-            return Err(Error::parameter("paint", paint, format!("below the {} paints", self.layers.len())));
-        };
-        let colors = rgba(&trajectory.resampled(layer.color_count)?);
-        uploads.buffer(context, &layer.colors, bytemuck::cast_slice(&colors))
+        self.colors.set(context, uploads, paint, trajectory)
     }
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
@@ -336,8 +329,4 @@ impl ImageTechnique {
     pub fn quilts(&self) -> impl Iterator<Item = &Quilt> {
         self.layers.iter().map(|layer| &layer.quilt)
     }
-}
-
-fn rgba(trajectory: &Trajectory) -> Vec<[f32; 4]> {
-    trajectory.colors().iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect()
 }

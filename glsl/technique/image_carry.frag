@@ -7,17 +7,24 @@
 // texture, so nothing is lost by this however often it is done, and no colour is ever mixed. A surface that comes into
 // sight at an outline takes what lies beside it, as if the texture went on there.
 // In:  guide, motion (0 where the last frame did not show the surface; else where it was, 32,768 + 64 times the pixels, x in the
-//      low half), the last frame's places.
-// Out: carried places. Integer arithmetic throughout.
+//      low half), the last frame's places, the paint's 8-bit sample.
+// Out: carried places and the canvas that repairs start from, for the pixels of one paint. Integer arithmetic throughout.
 #extension GL_GOOGLE_include_directive : require
 #include "../synthesis/carried.glsl"
-
-layout(local_size_x = 16, local_size_y = 8) in;
+#include "../synthesis/quilt.glsl"
 
 layout(binding = 0, r32ui) uniform readonly uimage2D motion;
 layout(binding = 1, r32ui) uniform readonly uimage2D guide;
-layout(binding = 2, rg32ui) uniform readonly uimage2D places;
-layout(binding = 3, rg32ui) uniform writeonly uimage2D carried;
+layout(binding = 2, rgba16ui) uniform readonly uimage2D places;
+layout(binding = 3, r32ui) uniform readonly uimage2D sample_texels;
+
+layout(push_constant) uniform Push {
+    uint sample_width, sample_height;
+    uint paint;
+} push;
+
+layout(location = 0) out uvec4 carried;
+layout(location = 1) out uint canvas;
 
 // Steps of a pixel in the motion are those of a texel in places.
 const int REST = 32768;
@@ -26,19 +33,19 @@ const int REST = 32768;
 const int REACH = 8;
 
 // The motion of a pixel of this paint; 0 for others.
-uint motion_at(ivec2 p, ivec2 size, uint paint) {
+uint motion_at(ivec2 p, ivec2 size) {
     p = clamp(p, ivec2(0), size - 1);
-    return imageLoad(guide, p).r >> 16 == paint ? imageLoad(motion, p).r : 0;
+    return imageLoad(guide, p).r >> 16 == push.paint ? imageLoad(motion, p).r : 0;
 }
 
-uvec2 place_at(ivec2 p, ivec2 size) {
+uvec4 place_at(ivec2 p, ivec2 size) {
     bool inside = all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, size));
-    uvec2 place = imageLoad(places, clamp(p, ivec2(0), size - 1)).rg;
-    return inside ? place : uvec2(0);
+    uvec4 place = imageLoad(places, clamp(p, ivec2(0), size - 1));
+    return inside ? place : uvec4(0);
 }
 
 // How the place changes from the pixel at `here` along `way`, with neighbours after and before it.
-ivec2 slope(ivec2 here, uvec2 after, uvec2 before, ivec2 way, bool prefer_after) {
+ivec2 slope(ivec2 here, uvec4 after, uvec4 before, ivec2 way, bool prefer_after) {
     ivec2 forward = steps_of(after) - here;
     ivec2 backward = here - steps_of(before);
     bool can_forward = is_present(after) && follows(forward, way);
@@ -48,20 +55,17 @@ ivec2 slope(ivec2 here, uvec2 after, uvec2 before, ivec2 way, bool prefer_after)
 }
 
 void main() {
-    ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 p = ivec2(gl_FragCoord.xy);
     ivec2 size = imageSize(motion);
-    if (any(greaterThanEqual(p, size))) {
-        return;
-    }
-    uint word = imageLoad(motion, p).r;
-    uint paint = imageLoad(guide, p).r >> 16;
+    bool mine = imageLoad(guide, p).r >> 16 == push.paint;
+    uint word = motion_at(p, size);
     // The nearest pixel to the right, left, below or above whose surface was in sight.
     ivec2 shift = ivec2(0);
-    for (int r = 1; r <= REACH && word == 0 && paint != 0; r++) {
-        uint to_right = motion_at(p + ivec2(r, 0), size, paint);
-        uint to_left = motion_at(p - ivec2(r, 0), size, paint);
-        uint below = motion_at(p + ivec2(0, r), size, paint);
-        uint above = motion_at(p - ivec2(0, r), size, paint);
+    for (int r = 1; r <= REACH && word == 0 && mine; r++) {
+        uint to_right = motion_at(p + ivec2(r, 0), size);
+        uint to_left = motion_at(p - ivec2(r, 0), size);
+        uint below = motion_at(p + ivec2(0, r), size);
+        uint above = motion_at(p - ivec2(0, r), size);
         word = to_right != 0 ? to_right : to_left != 0 ? to_left : below != 0 ? below : above;
         shift = to_right != 0 ? ivec2(r, 0) : to_left != 0 ? ivec2(-r, 0) : below != 0 ? ivec2(0, r) : ivec2(0, -r);
     }
@@ -70,11 +74,11 @@ void main() {
     ivec2 nearest = (way + STEPS / 2) >> 6;
     ivec2 rest = way - STEPS * nearest;
     ivec2 from = p + shift + nearest;
-    uvec2 middle = place_at(from, size);
-    uvec2 right = place_at(from + ivec2(1, 0), size);
-    uvec2 left = place_at(from - ivec2(1, 0), size);
-    uvec2 below = place_at(from + ivec2(0, 1), size);
-    uvec2 above = place_at(from - ivec2(0, 1), size);
+    uvec4 middle = place_at(from, size);
+    uvec4 right = place_at(from + ivec2(1, 0), size);
+    uvec4 left = place_at(from - ivec2(1, 0), size);
+    uvec4 below = place_at(from + ivec2(0, 1), size);
+    uvec4 above = place_at(from - ivec2(0, 1), size);
     ivec2 here = steps_of(middle);
     ivec2 along = slope(here, right, left, ivec2(1, 0), rest.x >= 0);
     ivec2 down = slope(here, below, above, ivec2(0, 1), rest.y >= 0);
@@ -90,6 +94,7 @@ void main() {
         present = is_present(right) || is_present(left) || is_present(below) || is_present(above);
     }
     place -= STEPS * shift;
-    present = present && word != 0 && all(greaterThanEqual(place, ivec2(0)));
-    imageStore(carried, p, uvec4(present ? uvec2(place.x, place.y | PRESENT) : uvec2(0), 0, 0));
+    present = present && mine && word != 0 && in_sample(place, uvec2(push.sample_width, push.sample_height));
+    carried = present ? place_of(place) : uvec4(0);
+    canvas = present ? imageLoad(sample_texels, (place + STEPS / 2) / STEPS).r | PAINTED : 0;
 }
