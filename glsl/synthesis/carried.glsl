@@ -8,6 +8,10 @@ const int STEPS = 64;
 // this is in the last one where there is one.
 const uint PRESENT = 0x8000u;
 
+// In the last one too, where the texture there is stretched, compressed or turned so far that it no longer looks like the
+// sample.
+const uint MISFIT = 0x4000u;
+
 // What `source` holds where nothing was pasted in this frame.
 const uint NOT_PASTED = 0xffffffffu;
 
@@ -19,8 +23,12 @@ bool is_present(uvec4 place) {
     return place.w >= PRESENT;
 }
 
+bool is_misfit(uvec4 place) {
+    return (place.w & MISFIT) != 0;
+}
+
 ivec2 steps_of(uvec4 place) {
-    return ivec2(place.x | place.y << 16, place.z | (place.w & ~PRESENT) << 16);
+    return ivec2(place.x | place.y << 16, place.z | (place.w & ~(PRESENT | MISFIT)) << 16);
 }
 
 uvec4 place_of(ivec2 steps) {

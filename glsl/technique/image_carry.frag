@@ -4,7 +4,8 @@
 //
 // Each pixel takes its place from the pixel of the last frame that its surface was nearest to, and goes on from there to
 // where it was exactly, by the differences between places that lie there already: places are linear within a piece of
-// texture, so nothing is lost by this however often it is done, and no colour is ever mixed. A surface that comes into
+// texture, so nothing is lost by this however often it is done, and no colour is ever mixed. The differences also tell how
+// far the texture is stretched. A surface that comes into
 // sight at an outline takes what lies beside it, as if the texture went on there.
 // In:  guide, motion (0 where the last frame did not show the surface; else where it was, 32,768 + 64 times the pixels, x in the
 //      low half), the last frame's places, the paint's 8-bit sample.
@@ -21,6 +22,8 @@ layout(binding = 3, r32ui) uniform readonly uimage2D sample_texels;
 layout(push_constant) uniform Push {
     uint sample_width, sample_height;
     uint paint;
+    // The least and the most that texture may be compressed and stretched: singular values of J, in steps.
+    uint least, most;
 } push;
 
 layout(location = 0) out uvec4 carried;
@@ -52,6 +55,24 @@ ivec2 slope(ivec2 here, uvec4 after, uvec4 before, ivec2 way, bool prefer_after)
     bool can_backward = is_present(before) && follows(backward, way);
     ivec2 either = can_backward ? backward : STEPS * way;
     return can_forward && (prefer_after || !can_backward) ? forward : either;
+}
+
+// The tangent of 30 degrees.
+const int TURN_NUMERATOR = 15;
+const int TURN_DENOMINATOR = 26;
+
+// Whether texture still looks like the sample where the Jacobian J, from picture to sample, has these columns, in steps:
+// its singular values are within limits, and it turns by no more than 30 degrees.
+bool fits(ivec2 right, ivec2 down) {
+    int e = right.x * right.x + right.y * right.y + down.x * down.x + down.y * down.y;
+    int det = right.x * down.y - right.y * down.x;
+    // The squares of the singular values are the roots of x^2 - e x + det^2.
+    int most = int(push.most * push.most);
+    int least = int(push.least * push.least);
+    bool below = e <= 2 * most && most * most - e * most + det * det >= 0;
+    bool above = e >= 2 * least && least * least - e * least + det * det >= 0;
+    bool upright = abs(right.y - down.x) * TURN_DENOMINATOR <= (right.x + down.y) * TURN_NUMERATOR;
+    return below && above && upright;
 }
 
 void main() {
@@ -96,5 +117,6 @@ void main() {
     place -= STEPS * shift;
     present = present && mine && word != 0 && in_sample(place, uvec2(push.sample_width, push.sample_height));
     carried = present ? place_of(place) : uvec4(0);
+    carried.w |= present && !fits(along, down) ? MISFIT : 0;
     canvas = present ? imageLoad(sample_texels, (place + STEPS / 2) / STEPS).r | PAINTED : 0;
 }

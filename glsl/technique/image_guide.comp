@@ -8,7 +8,7 @@ layout(local_size_x = 16, local_size_y = 8) in;
 
 layout(binding = 0, r32f) uniform readonly image2D shade;
 layout(binding = 1, r32ui) uniform readonly uimage2D id;
-layout(binding = 2, std430) readonly buffer PaintOfObject { uint paint_of_object[]; };
+layout(binding = 2, r32ui) uniform readonly uimage2D paint_of_object;
 layout(binding = 3, r32f) uniform writeonly image2D tone;
 layout(binding = 4, r32ui) uniform writeonly uimage2D guide;
 
@@ -38,5 +38,5 @@ void main() {
     precise float scaled = s * 255.0;
     precise float rounded = scaled + 0.5;
     imageStore(tone, p, vec4(s));
-    imageStore(guide, p, uvec4(uint(rounded) | ((paint_of_object[object - 1] + 1) << 16)));
+    imageStore(guide, p, uvec4(uint(rounded) | ((imageLoad(paint_of_object, ivec2((object - 1) & 1023u, (object - 1) >> 10)).r + 1) << 16)));
 }

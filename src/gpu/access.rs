@@ -29,6 +29,8 @@ pub enum Access {
     FragmentSampled,
     /// Read by draw calls as vertices or indices.
     VertexInput,
+    /// Read as the number of workgroups of a dispatch.
+    Indirect,
     /// Rendered to as a colour attachment that is cleared first.
     ColorAttachment,
     /// Rendered to and tested against as a depth attachment that is cleared first.
@@ -67,6 +69,7 @@ impl Access {
             Access::VertexInput => {
                 (S::VERTEX_INPUT, A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, L::UNDEFINED, false, false)
             }
+            Access::Indirect => (S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED, false, false),
             Access::ColorAttachment => {
                 (S::COLOR_ATTACHMENT_OUTPUT, color_access, L::COLOR_ATTACHMENT_OPTIMAL, true, true)
             }

@@ -131,7 +131,9 @@ impl BufferInner {
     fn new(context: &Context, name: &str, kind: BufferKind, bytes: u64) -> Result<Self> {
         use vk::BufferUsageFlags as U;
         let (usage, location) = match kind {
-            BufferKind::Storage => (U::STORAGE_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly),
+            BufferKind::Storage => {
+                (U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly)
+            }
             BufferKind::Geometry => (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Upload => (U::TRANSFER_SRC, MemoryLocation::CpuToGpu),
             BufferKind::Readback => (U::TRANSFER_DST, MemoryLocation::GpuToCpu),

@@ -24,7 +24,7 @@ pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
 pub(crate) use memory::Sampler;
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};
 pub use pipeline::{BindingKind, PipelineCacheFile, RasterShader, Shader};
-pub(crate) use pipeline::{BindingSet, ComputePipeline};
+pub(crate) use pipeline::{BindingSet, Bound, ComputePipeline};
 pub use recorder::Recorder;
 pub(crate) use render_pass::{
     Attachment, Draw, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, Role, VertexAttribute,

@@ -163,19 +163,51 @@ impl<'a> Recorder<'a> {
         push: &P,
         groups: [u32; 3],
     ) {
+        if !groups.contains(&0) {
+            self.compute(pipeline, set, push, None, |device, commands| {
+                // SAFETY: `compute` has bound all that the dispatch needs.
+                unsafe { device.cmd_dispatch(commands, groups[0], groups[1], groups[2]) };
+            });
+        }
+    }
+
+    /// As [`Recorder::dispatch`], but the numbers of workgroups are three words of a buffer that shaders have written, from
+    /// byte `offset` on, a multiple of 4.
+    pub(crate) fn dispatch_indirect<P: bytemuck::NoUninit>(
+        &mut self,
+        pipeline: &ComputePipeline,
+        set: &BindingSet,
+        push: &P,
+        (groups, offset): (&Buffer, u64),
+    ) {
+        debug_assert!(offset % 4 == 0 && offset + 12 <= groups.bytes(), "{}", pipeline.shader.name);
+        self.compute(pipeline, set, push, Some(Use::Buffer(groups, Access::Indirect)), |device, commands| {
+            // SAFETY: `compute` has bound all that the dispatch needs, and made the words visible; the buffer, which is
+            // no binding of this stage, has them.
+            unsafe { device.cmd_dispatch_indirect(commands, groups.handle(), offset) };
+        });
+    }
+
+    /// A pass with a pipeline, its set and push constants bound.
+    fn compute<P: bytemuck::NoUninit>(
+        &mut self,
+        pipeline: &ComputePipeline,
+        set: &BindingSet,
+        push: &P,
+        more: Option<Use<'_>>,
+        dispatch: impl FnOnce(&ash::Device, vk::CommandBuffer),
+    ) {
         let shader = &pipeline.shader;
         let bytes = bytemuck::bytes_of(push);
         debug_assert_eq!(bytes.len(), shader.push_bytes as usize, "push constants of {}", shader.name);
-        if groups.contains(&0) {
-            return;
-        }
-        let mut uses: Vec<Use<'_>> = Vec::with_capacity(shader.bindings.len());
+        let mut uses: Vec<Use<'_>> = Vec::with_capacity(shader.bindings.len() + 1);
         for one in set.uses() {
             // A stage may be given one resource for two of its bindings.
             if !uses.iter().any(|other| other.same(&one)) {
                 uses.push(one);
             }
         }
+        uses.extend(more);
         self.pass(shader.name, &uses, |device, commands| {
             let point = vk::PipelineBindPoint::COMPUTE;
             // SAFETY: pipeline and set are live, made for each other (`BindingSet::new`), and the set's resources are
@@ -186,8 +218,8 @@ impl<'a> Recorder<'a> {
                 if !bytes.is_empty() {
                     device.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, bytes);
                 }
-                device.cmd_dispatch(commands, groups[0], groups[1], groups[2]);
             }
+            dispatch(device, commands);
         });
     }
 

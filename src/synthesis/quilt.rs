@@ -13,13 +13,12 @@
 use super::params::{BlockRecord, Layout, QuiltParams};
 use super::repair::FitPush;
 use crate::gpu::{
-    Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Runner,
-    Shader, Uploads,
+    Access, BindingKind, BindingSet, Bound, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder,
+    Runner, Shader, Uploads,
 };
 use crate::{Error, Result};
 use ash::vk;
 use std::ops::Range;
-use std::slice::SliceIndex;
 use std::sync::Arc;
 
 /// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
@@ -30,14 +29,11 @@ const PADDING: u32 = TILE + 6;
 /// Blocks in a row of `quilt_guide`'s workgroups; every device allows more.
 const GUIDE_GROUPS_X: u32 = 32_768;
 /// Memory for the errors of one dispatch; longer waves are cut.
-const ERRORS_BYTES: u64 = 64 << 20;
+pub(super) const ERRORS_BYTES: u64 = 64 << 20;
 /// What placing a block costs, measured in pixel comparisons of the search on lavapipe (0.13 ms at 2 G/s).
 const PLACE_COMPARISONS: u64 = 250_000;
 /// Pixel comparisons after which a step of the search is cut, so that a submission can be kept short.
 const STEP_COMPARISONS: u64 = 200_000_000;
-/// About how many positions a repair compares: where there are more, every second row of them, or every third, and so
-/// on, another set in each frame. A frame's repairs must not cost more than the frame.
-const REPAIR_POSITIONS: u32 = 2048;
 
 pub(crate) const QUILT_GUIDE: Shader = Shader {
     name: "quilt_guide",
@@ -138,7 +134,7 @@ struct SearchPush {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct MatchPush {
+pub(super) struct MatchPush {
     output: [u32; 2],
     sample_height: u32,
     block_px: u32,
@@ -157,7 +153,7 @@ struct MatchPush {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct PlacePush {
+pub(super) struct PlacePush {
     output: [u32; 2],
     sample_height: u32,
     block_px: u32,
@@ -198,7 +194,7 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
             canvas_weight previous_weight first_row row_step),
         shared!("synthesis/repair_fit.comp", "uniform Push", FitPush,
-            output sample block_px overlap_px columns rows paint window_px slack least most),
+            sample_width block_px overlap_px columns rows paint window_px slack capacity band_rows),
         shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
             output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
             frame first_row row_step),
@@ -211,8 +207,8 @@ pub struct QuiltStages {
     /// One for each size of chunk, 4, 5 and 6.
     search: [ComputePipeline; 3],
     /// Without and with another picture to match.
-    matching: [ComputePipeline; 2],
-    place: ComputePipeline,
+    pub(super) matching: [ComputePipeline; 2],
+    pub(super) place: ComputePipeline,
 }
 
 impl QuiltStages {
@@ -343,7 +339,7 @@ pub struct QuiltGuide {
 }
 
 #[derive(Debug, Clone)]
-pub(super) enum Step {
+enum Step {
     /// Search for blocks `order[blocks]`, groups of positions `groups`.
     Search { blocks: Range<u32>, groups: Range<u32> },
     /// Place the same blocks.
@@ -354,24 +350,21 @@ pub(super) enum Step {
 enum Search {
     /// What is painted in its overlaps.
     Overlap(BindingSet),
-    /// What is painted around it on any side, and, unless its weight is 0, another picture; how much a pixel of either
-    /// counts.
-    Weighted { set: BindingSet, canvas_weight: u32, previous_weight: u32 },
+    /// What is painted in its overlaps, and another picture; how much a pixel of either counts.
+    Weighted { set: BindingSet, weights: [u32; 2] },
 }
 
 /// Waves of blocks, and what places them in this order.
-pub(super) struct Waves {
+struct Waves {
     search: Search,
     place_set: BindingSet,
     /// With their cost in pixel comparisons.
     steps: Vec<(Step, u64)>,
-    /// Every how many rows of positions are compared.
-    pub(super) row_step: u32,
 }
 
 /// One quilting, ready to be recorded.
 pub struct Quilt {
-    stages: Arc<QuiltStages>,
+    pub(super) stages: Arc<QuiltStages>,
     pub(super) params: QuiltParams,
     pub(super) layout: Layout,
     pub(super) sample_size: (u32, u32),
@@ -383,13 +376,9 @@ pub struct Quilt {
     pub(super) blocks: Buffer,
     guide_set: BindingSet,
     waves: Waves,
-    errors: [Buffer; 2],
-    groups_per_block: u32,
     /// Columns of positions that a block is searched at, at most.
-    columns: u32,
-    /// Blocks that the buffers of errors have room for.
-    batch: u32,
-    most_groups: u32,
+    pub(super) columns: u32,
+    groups_per_block: u32,
 }
 
 impl Quilt {
@@ -427,9 +416,8 @@ impl Quilt {
             Some(guide) => all_columns.min(guide.window_px.saturating_mul(2).saturating_add(1)),
             None => all_columns,
         };
-        let rows = sample.size.1 - params.block_px + 1;
-        let groups_per_block = (columns.div_ceil(TILE) * rows).div_ceil(GROUP);
-        let block_bytes = u64::from(groups_per_block) * u64::from(GROUP * TILE) * 4;
+        let rows = Rows::new(params, sample.size.1, columns, 0, 1);
+        let (groups_per_block, block_bytes) = (rows.groups, rows.block_bytes());
         let longest = layout.waves.iter().map(Vec::len).max().unwrap_or(1) as u64;
         let batch = (ERRORS_BYTES / block_bytes).clamp(1, longest) as u32;
 
@@ -452,17 +440,30 @@ impl Quilt {
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
         let guide_image = guide.as_ref().map_or(&sample.image, |guide| &guide.image);
         let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), (&blocks).into()])?;
-        let errors = [errors, minima];
         let most_groups = context.caps().max_group_count_x;
-        let weights = previous_weight.map(|weight| [OVERLAP_WEIGHT, weight]);
-        let compared = previous.as_ref().zip(weights);
-        let targets = Targets { stages, sample, canvas: &canvas, source: &source, blocks: &blocks, errors: &errors };
-        let order = targets.order(context, uploads, &layout.waves)?;
+        let order_list: Vec<u32> = layout.waves.iter().flatten().copied().collect();
+        let order = storage("quilt order", size_of_val(&order_list[..]) as u64)?;
+        uploads.buffer(context, &order, bytemuck::cast_slice(&order_list))?;
+        let targets = Targets {
+            stages,
+            sample,
+            canvas: &canvas,
+            source: &source,
+            blocks: &blocks,
+            order: &order,
+            errors: &errors,
+            minima: &minima,
+        };
+        let search = match (&previous, previous_weight) {
+            (Some(previous), Some(weight)) => {
+                Search::Weighted { set: targets.match_set(context, previous)?, weights: [OVERLAP_WEIGHT, weight] }
+            }
+            _ => Search::Overlap(targets.search_set(context, chunk(params))?),
+        };
         let waves = Waves {
-            search: targets.search(context, &order, params, compared)?,
-            place_set: targets.place_set(context, &order)?,
+            search,
+            place_set: targets.place_set(context)?,
             steps: steps(params, &layout.waves, groups_per_block, batch, most_groups),
-            row_step: 1,
         };
         Ok(Quilt {
             stages: stages.clone(),
@@ -476,37 +477,8 @@ impl Quilt {
             blocks,
             guide_set,
             waves,
-            errors,
-            groups_per_block,
             columns,
-            batch,
-            most_groups,
-        })
-    }
-
-    /// Other waves of the same blocks, which match what stays on the canvas on any side. `unused` is any other picture,
-    /// R32_UINT, to fill a binding.
-    pub(super) fn repair_waves(
-        &self,
-        context: &Context,
-        uploads: &mut Uploads,
-        sample: &SampleTexels,
-        waves: &[Vec<u32>],
-        unused: &Image,
-    ) -> Result<Waves> {
-        let (canvas, source) = (&self.canvas, &self.source);
-        let targets =
-            Targets { stages: &self.stages, sample, canvas, source, blocks: &self.blocks, errors: &self.errors };
-        let order = targets.order(context, uploads, waves)?;
-        let rows = self.sample_size.1 - self.params.block_px + 1;
-        let columns = self.columns;
-        let row_step = (rows * columns / REPAIR_POSITIONS).clamp(1, rows);
-        let groups = (columns.div_ceil(TILE) * rows.div_ceil(row_step)).div_ceil(GROUP);
-        Ok(Waves {
-            search: targets.search(context, &order, &self.params, Some((unused, [1, 0])))?,
-            place_set: targets.place_set(context, &order)?,
-            steps: steps(&self.params, waves, groups, self.batch, self.most_groups),
-            row_step,
+            groups_per_block,
         })
     }
 
@@ -565,7 +537,7 @@ impl Quilt {
         if part.start == 0 {
             self.record_begin(recorder);
         }
-        self.record_waves(recorder, &self.waves, part, seed, frame);
+        self.record_waves(recorder, part, seed, frame);
     }
 
     /// Records that the next synthesis matches no picture before it.
@@ -597,62 +569,69 @@ impl Quilt {
         [blocks.min(GUIDE_GROUPS_X), blocks.div_ceil(GUIDE_GROUPS_X), 1]
     }
 
-    /// Records steps of some waves.
-    pub(super) fn record_waves(
-        &self,
-        recorder: &mut Recorder<'_>,
-        waves: &Waves,
-        part: impl SliceIndex<[(Step, u64)], Output = [(Step, u64)]>,
-        seed: u32,
-        frame: u32,
-    ) {
-        let params = &self.params;
-        let output = [self.layout.output.0, self.layout.output.1];
-        // Every row has its turn.
-        let first_row = frame % waves.row_step;
-        for (step, _) in waves.steps.get(part).unwrap_or_default() {
+    /// What `quilt_match` is to do with `order[first_block..]`.
+    pub(super) fn match_push(&self, first_block: u32, rows: Rows, weights: [u32; 2]) -> MatchPush {
+        let QuiltParams { block_px, overlap_px, tileable, .. } = self.params;
+        MatchPush {
+            output: [self.layout.output.0, self.layout.output.1],
+            sample_height: self.sample_size.1,
+            block_px,
+            overlap_px,
+            tileable: u32::from(tileable),
+            columns: self.layout.columns,
+            rows: self.layout.rows,
+            first_block,
+            first_group: 0,
+            groups_per_block: rows.groups,
+            canvas_weight: weights[0],
+            previous_weight: weights[1],
+            first_row: rows.first,
+            row_step: rows.step,
+        }
+    }
+
+    /// What `quilt_place` is to do with `order[first_block..]`.
+    pub(super) fn place_push(&self, first_block: u32, rows: Rows, seed: u32, frame: u32) -> PlacePush {
+        let QuiltParams { block_px, overlap_px, tileable, .. } = self.params;
+        PlacePush {
+            output: [self.layout.output.0, self.layout.output.1],
+            sample_height: self.sample_size.1,
+            block_px,
+            overlap_px,
+            tileable: u32::from(tileable),
+            first_block,
+            groups_per_block: rows.groups,
+            columns: self.layout.columns,
+            rows: self.layout.rows,
+            tolerance: self.params.tolerance_e4(),
+            seed,
+            frame,
+            first_row: rows.first,
+            row_step: rows.step,
+        }
+    }
+
+    fn record_waves(&self, recorder: &mut Recorder<'_>, part: Range<usize>, seed: u32, frame: u32) {
+        let rows = Rows { first: 0, step: 1, groups: self.groups_per_block };
+        for (step, _) in self.waves.steps.get(part).unwrap_or_default() {
             match step.clone() {
-                Step::Search { blocks, groups } => {
-                    self.record_search(recorder, &waves.search, (first_row, waves.row_step), blocks, groups);
-                }
+                Step::Search { blocks, groups } => self.record_search(recorder, rows, blocks, groups),
                 Step::Place { blocks } => {
-                    let push = PlacePush {
-                        output,
-                        sample_height: self.sample_size.1,
-                        block_px: params.block_px,
-                        overlap_px: params.overlap_px,
-                        tileable: u32::from(params.tileable),
-                        first_block: blocks.start,
-                        groups_per_block: self.groups_per_block,
-                        columns: self.layout.columns,
-                        rows: self.layout.rows,
-                        tolerance: params.tolerance_e4(),
-                        seed,
-                        frame,
-                        first_row,
-                        row_step: waves.row_step,
-                    };
-                    recorder.dispatch(&self.stages.place, &waves.place_set, &push, [blocks.len() as u32, 1, 1]);
+                    let push = self.place_push(blocks.start, rows, seed, frame);
+                    let count = [blocks.len() as u32, 1, 1];
+                    recorder.dispatch(&self.stages.place, &self.waves.place_set, &push, count);
                 }
             }
         }
     }
 
-    fn record_search(
-        &self,
-        recorder: &mut Recorder<'_>,
-        search: &Search,
-        (first_row, row_step): (u32, u32),
-        blocks: Range<u32>,
-        groups: Range<u32>,
-    ) {
+    fn record_search(&self, recorder: &mut Recorder<'_>, rows: Rows, blocks: Range<u32>, groups: Range<u32>) {
         let params = &self.params;
-        let output = [self.layout.output.0, self.layout.output.1];
         let count = [groups.len() as u32, blocks.len() as u32, 1];
-        match search {
+        match &self.waves.search {
             Search::Overlap(set) => {
                 let push = SearchPush {
-                    output,
+                    output: [self.layout.output.0, self.layout.output.1],
                     sample_height: self.sample_size.1,
                     block_px: params.block_px,
                     overlap_px: params.overlap_px,
@@ -665,25 +644,9 @@ impl Quilt {
                 };
                 recorder.dispatch(&self.stages.search[chunk(params)], set, &push, count);
             }
-            Search::Weighted { set, canvas_weight, previous_weight } => {
-                let push = MatchPush {
-                    output,
-                    sample_height: self.sample_size.1,
-                    block_px: params.block_px,
-                    overlap_px: params.overlap_px,
-                    tileable: u32::from(params.tileable),
-                    columns: self.layout.columns,
-                    rows: self.layout.rows,
-                    first_block: blocks.start,
-                    first_group: groups.start,
-                    groups_per_block: self.groups_per_block,
-                    canvas_weight: *canvas_weight,
-                    previous_weight: *previous_weight,
-                    first_row,
-                    row_step,
-                };
-                let stage = &self.stages.matching[usize::from(*previous_weight > 0)];
-                recorder.dispatch(stage, set, &push, count);
+            Search::Weighted { set, weights } => {
+                let push = MatchPush { first_group: groups.start, ..self.match_push(blocks.start, rows, *weights) };
+                recorder.dispatch(&self.stages.matching[1], set, &push, count);
             }
         }
     }
@@ -726,49 +689,58 @@ fn chunk(params: &QuiltParams) -> usize {
     (0..3).min_by_key(work).unwrap_or_default()
 }
 
-/// What the binding sets of waves are made of.
-struct Targets<'a> {
-    stages: &'a QuiltStages,
-    sample: &'a SampleTexels,
-    canvas: &'a Image,
-    source: &'a Image,
-    blocks: &'a Buffer,
-    errors: &'a [Buffer; 2],
+/// What the stages that place blocks are bound to.
+pub(super) struct Targets<'a> {
+    pub stages: &'a QuiltStages,
+    pub sample: &'a SampleTexels,
+    pub canvas: &'a Image,
+    pub source: &'a Image,
+    pub blocks: &'a Buffer,
+    pub order: &'a Buffer,
+    pub errors: &'a Buffer,
+    pub minima: &'a Buffer,
 }
 
 impl Targets<'_> {
-    /// The blocks of waves in their order, on their way to the device.
-    fn order(&self, context: &Context, uploads: &mut Uploads, waves: &[Vec<u32>]) -> Result<Buffer> {
-        let order: Vec<u32> = waves.iter().flatten().copied().collect();
-        let buffer = Buffer::new(context, "quilt order", BufferKind::Storage, size_of_val(&order[..]) as u64)?;
-        uploads.buffer(context, &buffer, bytemuck::cast_slice(&order))?;
-        Ok(buffer)
+    fn buffers(&self) -> [Bound; 4] {
+        [self.blocks.into(), self.order.into(), self.errors.into(), self.minima.into()]
     }
 
-    /// A search, which matches another picture too if one is given with the weights of canvas and picture.
-    fn search(
-        &self,
-        context: &Context,
-        order: &Buffer,
-        params: &QuiltParams,
-        previous: Option<(&Image, [u32; 2])>,
-    ) -> Result<Search> {
-        let (texels, canvas, [errors, minima]) = (&self.sample.image, self.canvas, self.errors);
-        let after = [self.blocks.into(), order.into(), errors.into(), minima.into()];
-        let Some((previous, [canvas_weight, previous_weight])) = previous else {
-            let bound = [&[texels.into(), (&self.sample.squares).into(), canvas.into()], &after[..]].concat();
-            return Ok(Search::Overlap(BindingSet::new(context, &self.stages.search[chunk(params)], &bound)?));
-        };
-        let bound = [&[texels.into(), canvas.into(), previous.into()], &after[..]].concat();
-        let set = BindingSet::new(context, &self.stages.matching[0], &bound)?;
-        Ok(Search::Weighted { set, canvas_weight, previous_weight })
+    fn search_set(&self, context: &Context, chunk: usize) -> Result<BindingSet> {
+        let images = [(&self.sample.image).into(), (&self.sample.squares).into(), self.canvas.into()];
+        BindingSet::new(context, &self.stages.search[chunk], &[&images[..], &self.buffers()].concat())
     }
 
-    fn place_set(&self, context: &Context, order: &Buffer) -> Result<BindingSet> {
-        let [errors, minima] = self.errors;
+    /// For a search that matches `previous` too, if it does.
+    pub fn match_set(&self, context: &Context, previous: &Image) -> Result<BindingSet> {
+        let images = [(&self.sample.image).into(), self.canvas.into(), previous.into()];
+        BindingSet::new(context, &self.stages.matching[0], &[&images[..], &self.buffers()].concat())
+    }
+
+    pub fn place_set(&self, context: &Context) -> Result<BindingSet> {
         let images = [(&self.sample.image).into(), self.canvas.into(), self.source.into()];
-        let buffers = [self.blocks.into(), order.into(), errors.into(), minima.into()];
-        BindingSet::new(context, &self.stages.place, &[&images[..], &buffers[..]].concat())
+        BindingSet::new(context, &self.stages.place, &[&images[..], &self.buffers()].concat())
+    }
+}
+
+/// Which rows of positions are compared, and how many groups of positions that makes for a block.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rows {
+    pub first: u32,
+    pub step: u32,
+    pub groups: u32,
+}
+
+impl Rows {
+    /// Every `step`th row of a sample, from `first` on, for blocks that are searched at up to `columns` columns.
+    pub fn new(params: &QuiltParams, sample_height: u32, columns: u32, first: u32, step: u32) -> Self {
+        let rows = (sample_height - params.block_px - first) / step + 1;
+        Rows { first, step, groups: (columns.div_ceil(TILE) * rows).div_ceil(GROUP) }
+    }
+
+    /// Bytes of the errors of a block.
+    pub fn block_bytes(&self) -> u64 {
+        u64::from(self.groups) * u64::from(GROUP * TILE) * 4
     }
 }
 

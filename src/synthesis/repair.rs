@@ -11,8 +11,10 @@
 //! The technique carries the places and draws from them; [`super::repair_oracle`] is the plain CPU twin.
 
 use super::params::{Layout, QuiltParams};
-use super::quilt::{Quilt, QuiltGuide, SampleTexels, Waves};
-use crate::gpu::{Access, BindingKind, BindingSet, ComputePipeline, Context, Image, Recorder, Shader, Uploads};
+use super::quilt::{Quilt, QuiltGuide, Rows, SampleTexels, Targets, ERRORS_BYTES};
+use crate::gpu::{
+    Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, Recorder, Shader,
+};
 use crate::{Error, Result};
 use ash::vk;
 use std::sync::Arc;
@@ -26,12 +28,21 @@ pub const PLACES: vk::Format = vk::Format::R16G16B16A16_UINT;
 /// What [`Quilt::source`] has after a repair where nothing was pasted.
 pub const NOT_PASTED: u32 = u32::MAX;
 
+/// About how many positions a block is compared at: where there are more, every second row of them, or every third, and
+/// so on, other ones in each frame. A frame's repairs must not cost more than the frame.
+const POSITIONS: u32 = 2048;
+
+/// Bytes of a round's two numbers of workgroups.
+const COUNT_BYTES: u64 = 24;
+
 pub(crate) const REPAIR_FIT: Shader = Shader {
     name: "repair_fit",
     spirv: include_bytes!("../../glsl/spirv/synthesis/repair_fit.comp.spv"),
     bindings: &[
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeReadWrite),
+        BindingKind::Buffer(Access::ComputeWrite),
         BindingKind::Buffer(Access::ComputeReadWrite),
     ],
     push_bytes: size_of::<FitPush>() as u32,
@@ -40,8 +51,7 @@ pub(crate) const REPAIR_FIT: Shader = Shader {
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct FitPush {
-    pub output: [u32; 2],
-    pub sample: [u32; 2],
+    pub sample_width: u32,
     pub block_px: u32,
     pub overlap_px: u32,
     pub columns: u32,
@@ -49,8 +59,8 @@ pub(crate) struct FitPush {
     pub paint: u32,
     pub window_px: u32,
     pub slack: u32,
-    pub least: u32,
-    pub most: u32,
+    pub capacity: u32,
+    pub band_rows: u32,
 }
 
 /// When carried texture no longer fits.
@@ -116,21 +126,27 @@ pub struct Repair {
     stages: Arc<RepairStages>,
     params: RepairParams,
     guide: QuiltGuide,
-    waves: Waves,
+    rounds: Rounds,
+    /// Every how many rows of positions are compared.
+    row_step: u32,
+    /// For each round the workgroups of search and placing, three words each: written by `repair_fit`.
+    counts: Buffer,
     fit_set: BindingSet,
+    match_set: BindingSet,
+    place_set: BindingSet,
 }
 
 impl Repair {
     /// Prepares to repair `quilt`, which is guided and not tileable and was made of `sample`. When it is recorded,
     /// `carried` (of the output's size, in the format [`PLACES`]) has the places of the quilt's paint, x and y in steps of
-    /// 32 bits, the highest bit of y set where there is one; and the canvas has the texels nearest to them.
+    /// 32 bits, the highest bit of y set where there is one and the next where it no longer looks like the sample; and the
+    /// canvas has the texels nearest to them.
     ///
     /// # Errors
     /// [`Error::Parameter`] for parameters out of range or a quilting that cannot be repaired; [`Error::Memory`] when
     /// the budget does not allow it.
     pub fn new(
         context: &Context,
-        uploads: &mut Uploads,
         stages: &Arc<RepairStages>,
         quilt: &Quilt,
         sample: &SampleTexels,
@@ -146,46 +162,91 @@ impl Repair {
             let [w, h, _] = carried.size_px();
             return Err(Error::parameter("carried places", format!("{w}x{h}"), format!("{width}x{height}")));
         }
-        let waves = quilt.repair_waves(context, uploads, sample, &rounds(&quilt.layout), &guide.image)?;
-        let bound = [(&guide.image).into(), carried.into(), (&quilt.blocks).into()];
+        let sample_height = quilt.sample_size.1;
+        let all_rows = sample_height - quilt.params.block_px + 1;
+        let row_step = (all_rows * quilt.columns / POSITIONS).clamp(1, all_rows);
+        let rows = Rows::new(&quilt.params, sample_height, quilt.columns, 0, row_step);
+        let rounds = Rounds::new(&quilt.layout, (ERRORS_BYTES / rows.block_bytes()).min(65_535) as u32);
+        let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
+        let capacity = u64::from(rounds.capacity);
+        let order = storage("repair order", u64::from(rounds.count) * capacity * 4)?;
+        let counts = storage("repair counts", u64::from(rounds.count) * COUNT_BYTES)?;
+        let errors = storage("repair errors", rows.block_bytes() * capacity)?;
+        let minima = storage("repair group minima", u64::from(rows.groups) * capacity * 4)?;
+        let bound = [(&guide.image).into(), carried.into(), (&quilt.blocks).into(), (&order).into(), (&counts).into()];
         let fit_set = BindingSet::new(context, &stages.fit, &bound)?;
-        Ok(Repair { stages: stages.clone(), params: *params, guide, waves, fit_set })
+        let targets = Targets {
+            stages: &quilt.stages,
+            sample,
+            canvas: quilt.canvas(),
+            source: quilt.source(),
+            blocks: &quilt.blocks,
+            order: &order,
+            errors: &errors,
+            minima: &minima,
+        };
+        // No other picture is matched, but the binding must have one.
+        let match_set = targets.match_set(context, &guide.image)?;
+        let place_set = targets.place_set(context)?;
+        let params = *params;
+        Ok(Repair { stages: stages.clone(), params, guide, rounds, row_step, counts, fit_set, match_set, place_set })
     }
 
     /// Records the repair of `quilt`, that which this was made for. Its [`Quilt::source`] then holds where in the sample
-    /// each pixel that was synthesised anew came from, and 2^32 - 1 elsewhere. `seed` and `frame` enter the random
+    /// each pixel that was synthesised anew came from, and [`NOT_PASTED`] elsewhere. `seed` and `frame` enter the random
     /// choices.
     pub fn record(&self, recorder: &mut Recorder<'_>, quilt: &Quilt, seed: u32, frame: u32) {
         let QuiltParams { block_px, overlap_px, .. } = quilt.params;
-        let sample = [quilt.sample_size.0, quilt.sample_size.1];
-        let Layout { columns, rows, output, .. } = quilt.layout;
-        let (least, most) = self.params.limits();
+        let Layout { columns, rows, .. } = quilt.layout;
+        let sample = quilt.sample_size;
         let push = FitPush {
-            output: [output.0, output.1],
-            sample,
+            sample_width: sample.0,
             block_px,
             overlap_px,
             columns,
             rows,
             paint: self.guide.paint,
             // More than a sample is wide makes no difference, and stays clear of overflow.
-            window_px: self.guide.window_px.min(sample[0]),
-            slack: self.params.slack_px(block_px).min(sample[0]),
-            least,
-            most,
+            window_px: self.guide.window_px.min(sample.0),
+            slack: self.params.slack_px(block_px).min(sample.0),
+            capacity: self.rounds.capacity,
+            band_rows: self.rounds.band_rows,
         };
+        // Every row has its turn.
+        let rows = Rows::new(&quilt.params, sample.1, quilt.columns, frame % self.row_step, self.row_step);
+        let counts = [rows.groups, 0, 1, 0, 1, 1].repeat(self.rounds.count as usize);
         recorder.fill_images("repair_clear", &[quilt.source()], NOT_PASTED);
+        recorder.update_buffer("repair_clear", &self.counts, bytemuck::cast_slice(&counts));
         recorder.dispatch(&self.stages.fit, &self.fit_set, &push, quilt.groups_by_block());
-        quilt.record_waves(recorder, &self.waves, .., seed, frame);
+        for round in 0..self.rounds.count {
+            let (first, offset) = (round * self.rounds.capacity, u64::from(round) * COUNT_BYTES);
+            let push = quilt.match_push(first, rows, [1, 0]);
+            let groups = (&self.counts, offset);
+            recorder.dispatch_indirect(&quilt.stages.matching[0], &self.match_set, &push, groups);
+            let push = quilt.place_push(first, rows, seed, frame);
+            let groups = (&self.counts, offset + COUNT_BYTES / 2);
+            recorder.dispatch_indirect(&quilt.stages.place, &self.place_set, &push, groups);
+        }
     }
 }
 
-/// The rounds in which blocks are placed: even rows and columns, even rows and odd columns, and so on.
-pub(super) fn rounds(layout: &Layout) -> Vec<Vec<u32>> {
-    let mut rounds = vec![Vec::new(); 4];
-    for (index, placement) in (0..).zip(&layout.placements) {
-        rounds[(2 * (placement.row % 2) + placement.col % 2) as usize].push(index);
+/// How blocks are put into rounds: those of even rows and columns of the grid, those of even rows and odd columns, and so
+/// on; and by bands of rows, where these would be too many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Rounds {
+    /// Rows of a band; even.
+    pub band_rows: u32,
+    /// Blocks of a round, at most.
+    pub capacity: u32,
+    pub count: u32,
+}
+
+impl Rounds {
+    /// Rounds of at most about `most` blocks.
+    fn new(layout: &Layout, most: u32) -> Self {
+        let across = layout.columns.div_ceil(2);
+        let pairs = (most / across).clamp(1, layout.rows.div_ceil(2));
+        let count = 4 * layout.rows.div_ceil(2 * pairs);
+        Rounds { band_rows: 2 * pairs, capacity: across * pairs, count }
     }
-    rounds.retain(|round| !round.is_empty());
-    rounds
 }

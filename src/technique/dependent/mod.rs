@@ -25,7 +25,7 @@ pub use views::ViewCoverage;
 use super::colors::ColorTable;
 use super::image::{GuidePush, IMAGE_GUIDE};
 use super::picture_pass::{frame_for, PicturePass, PICTURE};
-use super::{check_paints, Paint, ShadeRange, Show};
+use super::{check_paints, paint_picture, Paint, ShadeRange, Show};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Draw, Image, ImageDesc,
     RasterShader, Recorder, Sampler, Shader, Uploads, VertexAttribute,
@@ -496,12 +496,7 @@ impl Preparation {
         let image = |name, format| Image::new(context, name, &ImageDesc::storage_2d(view_px, view_px, format));
         let tone = image("view tone", vk::Format::R32_SFLOAT)?;
         let guide = image("view guide", vk::Format::R32_UINT)?;
-        let mut storage = |name, data: &[u8]| {
-            let buffer = Buffer::new(context, name, BufferKind::Storage, data.len() as u64)?;
-            uploads.buffer(context, &buffer, data)?;
-            Ok::<_, Error>(buffer)
-        };
-        let objects = storage("paint of object", bytemuck::cast_slice(paint_of_object))?;
+        let objects = paint_picture(context, uploads, paint_of_object)?;
         let guide_stage = ComputePipeline::new(context, &IMAGE_GUIDE)?;
         let bound = [(&faces.shade).into(), (&faces.id).into(), (&objects).into(), (&tone).into(), (&guide).into()];
         let guide_set = BindingSet::new(context, &guide_stage, &bound)?;

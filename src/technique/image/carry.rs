@@ -51,6 +51,8 @@ pub(crate) const IMAGE_SETTLE: RasterShader = RasterShader {
 struct CarryPush {
     sample: [u32; 2],
     paint: u32,
+    least: u32,
+    most: u32,
 }
 
 /// What carrying needs.
@@ -104,7 +106,7 @@ impl Carry {
             let bound = [motion.into(), (&technique.guide).into(), (&places).into(), sample.image().into()];
             let carry_set = BindingSet::new(context, carry.pipeline(), &bound)?;
             let (width, height) = sample.size();
-            let repair = Repair::new(context, uploads, &stages, quilt, sample, &carried, params)?;
+            let repair = Repair::new(context, &stages, quilt, sample, &carried, params)?;
             let desc = ImageDesc::sampled([width, height, 1], vk::Format::R8G8B8A8_UNORM);
             let difference = Image::new(context, "texture difference", &desc)?;
             uploads.image(context, &difference, bytemuck::cast_slice(&paint.texture.to_unorm8()))?;
@@ -117,7 +119,8 @@ impl Carry {
                 technique.colors.image().into(),
             ];
             let settle_set = BindingSet::new(context, settle.pipeline(), &bound)?;
-            let push = CarryPush { sample: [width, height], paint: number };
+            let (least, most) = params.limits();
+            let push = CarryPush { sample: [width, height], paint: number, least, most };
             layers.push(Layer { carry, carry_set, push, repair, settle_set });
         }
         Ok(Carry { layers, settle })

@@ -12,15 +12,14 @@
 use super::colors::ColorTable;
 use super::picture_pass::frame_for;
 use crate::gpu::{
-    Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader,
-    Uploads,
+    Access, BindingKind, BindingSet, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader, Uploads,
 };
 use crate::paint::Trajectory;
 use crate::scene::GuidePass;
 use crate::synthesis::params::QuiltParams;
 use crate::synthesis::quilt::{PreviousWeight, Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use crate::synthesis::repair::RepairParams;
-use crate::technique::{check_paints, Paint, ShadeRange, Show};
+use crate::technique::{check_paints, paint_picture, Paint, ShadeRange, Show};
 use crate::{Error, Result};
 use ash::vk;
 use carry::Carry;
@@ -40,7 +39,7 @@ pub(crate) const IMAGE_GUIDE: Shader = Shader {
     bindings: &[
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeWrite),
         BindingKind::Image(Access::ComputeWrite),
     ],
@@ -167,9 +166,7 @@ impl ImageTechnique {
         let guide = image("image guide", vk::Format::R32_UINT)?;
         let frame = frame_for(context, "image frame", guides.depth())?;
         let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
-        let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
-        let objects = storage("paint of object", size_of_val(paint_of_object) as u64)?;
-        uploads.buffer(context, &objects, bytemuck::cast_slice(paint_of_object))?;
+        let objects = paint_picture(context, uploads, paint_of_object)?;
         let guide_stage = ComputePipeline::new(context, &IMAGE_GUIDE)?;
         let recombine_stage = ComputePipeline::new(context, &IMAGE_RECOMBINE)?;
         let (shade, id) = (guides.shade(), guides.id());
