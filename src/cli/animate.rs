@@ -1,4 +1,4 @@
-//! `impasto animate`: frame after frame, to numbered pictures, a film or an animated GIF.
+//! `impasto animate`: frame after frame, to numbered pictures, a film, an animated PNG or an animated GIF.
 //!
 //! A frame depends on nothing but its number, so that a run may be cut into parts that other machines make, and go on
 //! where it was interrupted. While the device works on a frame, other threads encode and write those before it.
@@ -20,7 +20,7 @@ use std::time::Instant;
 #[derive(Args, Debug)]
 pub struct AnimateArgs {
     /// What to write: numbered pictures like DIR/%04d.png (or .jpg, .bmp, .tiff), a film .mp4, .webm, .mkv or .mov (by
-    /// the program ffmpeg), or a .gif
+    /// the program ffmpeg), an animated .png, or a .gif
     #[arg(short, long, value_name = "DIR/%04d.png|FILM")]
     output: PathBuf,
     /// First and last frame
@@ -84,7 +84,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
     session.phase("prepare");
 
-    let mut sink = Sink::open(&target, args.shot.size, &made_by)?;
+    let mut sink = Sink::open(&target, args.shot.size, numbers.len(), &made_by)?;
     let progress = session.frames("animating", numbers.len());
     let mut times = Vec::with_capacity(numbers.len());
     let mut reached = args.frames.first;
