@@ -1,11 +1,12 @@
-//! `impasto animate`: frame after frame, to numbered pictures, a film or an animated GIF.
+//! `impasto animate`: frame after frame, to numbered pictures, a film, an animated PNG or an animated GIF.
 //!
 //! A frame depends on nothing but its number, so that a run may be cut into parts that other machines make, and go on
 //! where it was interrupted. While the device works on a frame, other threads encode and write those before it.
 
 use super::failure::{Failure, Result};
 use super::film::{Sink, Target};
-use super::motion::{Frames, MotionFlags};
+use super::frames::Frames;
+use super::motion::MotionFlags;
 use super::painter::{Painter, Scene};
 use super::picture::over;
 use super::session::Session;
@@ -20,7 +21,7 @@ use std::time::Instant;
 #[derive(Args, Debug)]
 pub struct AnimateArgs {
     /// What to write: numbered pictures like DIR/%04d.png (or .jpg, .bmp, .tiff), a film .mp4, .webm, .mkv or .mov (by
-    /// the program ffmpeg), or a .gif
+    /// the program ffmpeg), an animated .png, or a .gif
     #[arg(short, long, value_name = "DIR/%04d.png|FILM")]
     output: PathBuf,
     /// First and last frame
@@ -52,7 +53,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
         return Err(Failure::file(&args.output, "--resume and --shard are for numbered pictures, like DIR/%04d.png"));
     }
     let shot = args.shot.load(session)?;
-    let motion = args.motion.load(shot.camera, args.shot.view.axis(), shot.lights.clone(), session)?;
+    let motion = args.motion.load(&shot, args.shot.view.axis(), args.frames, session)?;
     // The range of shade is that of the first frame of all, whatever part of them this is.
     let first = motion.at(args.frames.first, &shot.mesh)?;
     session.parameter("frames", args.frames.to_string());
@@ -80,11 +81,11 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.shot.size)?;
     session.phase("setup");
-    let scene = Scene { mesh: &shot.mesh, camera: first.0, lights: first.1, size: args.shot.size };
+    let scene = Scene { mesh: &shot.mesh, camera: first.camera, lights: first.lights, size: args.shot.size };
     let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
     session.phase("prepare");
 
-    let mut sink = Sink::open(&target, args.shot.size, &made_by)?;
+    let mut sink = Sink::open(&target, args.shot.size, numbers.len(), &made_by)?;
     let progress = session.frames("animating", numbers.len());
     let mut times = Vec::with_capacity(numbers.len());
     let mut reached = args.frames.first;
@@ -94,11 +95,12 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
         // From the very first frame on, so that every part of a run comes to the same.
         while !args.still && reached < number {
             reached += 1;
-            let next = motion.at(reached, &shot.mesh)?.0;
+            let next = motion.at(reached, &shot.mesh)?.camera;
             painter.follow(&camera, &next)?;
             camera = next;
         }
-        painter.draw(None, &mut device, motion.at(number, &shot.mesh)?, number)?;
+        let moment = motion.at(number, &shot.mesh)?;
+        painter.draw(None, &mut device, (moment.camera, moment.lights), number)?;
         let frame = painter.frame(&mut device, Show::Painted)?;
         sink.write(number, if let Some(color) = background { over(frame, color) } else { frame })?;
         times.push(started.elapsed().as_secs_f64());
@@ -114,7 +116,10 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let rate = times.len() as f64 / total;
     session.result(
         "rendered",
-        json!({ "frames": times.len(), "frames_per_second": rate, "median_ms": at(0.5), "p95_ms": at(0.95) }),
+        json!({
+            "frames": times.len(), "frames_per_second": rate, "median_ms": at(0.5), "p95_ms": at(0.95),
+            "cuts": numbers.iter().filter(|&&number| motion.is_cut(number)).collect::<Vec<_>>(),
+        }),
         format!("{} frames, {rate:.1} a second (median {:.0} ms, p95 {:.0} ms)", times.len(), at(0.5), at(0.95)),
     );
     match &written[..] {

@@ -1,8 +1,9 @@
-//! Where frames go: numbered pictures, a film through ffmpeg, or an animated GIF.
+//! Where frames go: numbered pictures, a film through ffmpeg, an animated PNG or an animated GIF.
 //!
 //! Numbered pictures are written by threads of their own, each under a temporary name first, so that a picture that is
 //! there is whole. Beside them stands `animation.json`, which says what they were made by: pictures of something else
-//! are not taken for finished ones. A film is written under a temporary name too, and takes its own at the end.
+//! are not taken for finished ones. All the others are written under a temporary name too, and take their own at the
+//! end.
 
 use super::failure::{Failure, Result};
 use super::files::{check_file, check_folder, Outputs, Staged};
@@ -42,6 +43,7 @@ enum Kind {
     Numbered(String, usize, String, ImageFormat),
     /// What ffmpeg calls it.
     Film(&'static str),
+    Png,
     Gif,
 }
 
@@ -61,11 +63,14 @@ impl Target {
             Kind::Numbered(before.to_owned(), digits, after.to_owned(), format_of(path)?)
         } else if let Some((_, format)) = FILMS.iter().find(|(name, _)| *name == extension) {
             Kind::Film(format)
+        } else if extension == "png" {
+            Kind::Png
         } else if extension == "gif" {
             Kind::Gif
         } else {
             let films = FILMS.map(|(name, _)| name).join(", .");
-            let text = format!("must be numbered pictures like DIR/%04d.png, a film .{films}, or a .gif");
+            let text =
+                format!("must be numbered pictures like DIR/%04d.png, a film .{films}, or an animated .png or .gif");
             return Err(Failure::file(path, text));
         };
         Ok(Target { path: path.to_owned(), kind, rate })
@@ -100,11 +105,11 @@ impl Target {
                     Ok(status) if status.success() => Ok(()),
                     _ => Err(Failure::file(
                         &self.path,
-                        "a film takes the program ffmpeg, which is not here; write DIR/%04d.png or a .gif instead",
+                        "a film takes the program ffmpeg, which is not here; write DIR/%04d.png, .png or .gif instead",
                     )),
                 }
             }
-            Kind::Gif => check_file(&self.path),
+            Kind::Png | Kind::Gif => check_file(&self.path),
         }
     }
 
@@ -138,14 +143,15 @@ pub struct Sink<'a> {
 enum Way {
     Pictures { queue: Option<SyncSender<Job>>, writers: Vec<JoinHandle<()>>, failure: Arc<Mutex<Option<Failure>>> },
     Film { ffmpeg: Child, input: Option<ChildStdin>, staged: Staged },
+    Png { writer: Box<png::Writer<File>>, staged: Staged },
     Gif { encoder: Box<GifEncoder<File>>, staged: Staged },
 }
 
 type Job = (PathBuf, RgbaImage, ImageFormat);
 
 impl<'a> Sink<'a> {
-    /// Opens the target for frames of `size`.
-    pub fn open(target: &'a Target, size: Size, made_by: &Value) -> Result<Self> {
+    /// Opens the target for `count` frames of `size`.
+    pub fn open(target: &'a Target, size: Size, count: usize, made_by: &Value) -> Result<Self> {
         let way = match &target.kind {
             Kind::Numbered(..) => {
                 let mut note = Outputs::default();
@@ -176,6 +182,12 @@ impl<'a> Sink<'a> {
                     .map_err(|error| Failure::file(&target.path, format!("ffmpeg: {error}")))?;
                 let input = ffmpeg.stdin.take();
                 Way::Film { ffmpeg, input, staged }
+            }
+            Kind::Png => {
+                let staged = Staged::new(&target.path)?;
+                let file = staged.file.try_clone().map_err(|error| Failure::file(&target.path, error))?;
+                let writer = png_writer(file, size, count, target.rate);
+                Way::Png { writer: Box::new(writer.map_err(|error| Failure::file(&target.path, error))?), staged }
             }
             Kind::Gif => {
                 let staged = Staged::new(&target.path)?;
@@ -220,6 +232,9 @@ impl<'a> Sink<'a> {
                     return Err(Failure::file(&target.path, format!("ffmpeg: {words}")));
                 }
             }
+            Way::Png { writer, .. } => {
+                writer.write_image_data(&frame).map_err(|error| Failure::file(&target.path, error))?;
+            }
             Way::Gif { encoder, .. } => {
                 let delay = Delay::from_numer_denom_ms(1000, target.rate);
                 let frame = Frame::from_parts(over(frame, [255; 3]), 0, 0, delay);
@@ -251,6 +266,11 @@ impl<'a> Sink<'a> {
                 }
                 Ok(vec![staged.rename()?])
             }
+            Way::Png { writer, staged } => {
+                writer.finish().map_err(|error| Failure::file(path, error))?;
+                staged.sync()?;
+                Ok(vec![staged.rename()?])
+            }
             Way::Gif { encoder, mut staged } => {
                 // Its trailer is written when it goes, and nobody says whether that went well.
                 drop(encoder);
@@ -265,6 +285,28 @@ impl<'a> Sink<'a> {
             }
         }
     }
+}
+
+/// Begins a PNG that shows its frames over and over; a plain one if there is but one frame.
+fn png_writer(
+    file: File,
+    Size { width, height }: Size,
+    count: usize,
+    rate: u32,
+) -> std::result::Result<png::Writer<File>, png::EncodingError> {
+    let mut encoder = png::Encoder::new(file, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    // As numbered pictures are compressed.
+    encoder.set_compression(png::Compression::Fast);
+    // To have fewer frames in the end than it says is an error.
+    encoder.validate_sequence(true);
+    if count > 1 {
+        // Frames and rates have upper bounds that fit; 0 plays are endless ones.
+        encoder.set_animated(count as u32, 0)?;
+        encoder.set_frame_delay(1, rate as u16)?;
+    }
+    encoder.write_header()
 }
 
 /// The last line of what a program has said.
@@ -286,5 +328,31 @@ fn write_pictures(jobs: &Mutex<Receiver<Job>>, failure: &Mutex<Option<Failure>>)
         if let (Err(error), Ok(mut failure)) = (written, failure.lock()) {
             failure.get_or_insert(error);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_animated_png_that_lacks_frames_never_takes_its_place() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let path = dir.path().join("film.png");
+        fs::write(&path, "old").expect("written");
+        let target = Target::new(&path, 100).expect("a target");
+        let written = |frames: u32| {
+            let mut sink = Sink::open(&target, Size { width: 3, height: 2 }, 2, &Value::Null)?;
+            (0..frames).try_for_each(|number| sink.write(number, RgbaImage::new(3, 2)))?;
+            assert_eq!(fs::read(&path).expect("a file"), b"old");
+            sink.finish()
+        };
+        for wrong in [0, 1, 3] {
+            assert!(written(wrong).is_err(), "{wrong}");
+            assert_eq!(fs::read(&path).expect("a file"), b"old");
+            assert_eq!(fs::read_dir(dir.path()).expect("a folder").count(), 1, "nothing else is left behind");
+        }
+        assert_eq!(written(2).expect("a file"), std::slice::from_ref(&path));
+        assert_eq!(image::open(&path).expect("a picture").to_rgba8(), RgbaImage::new(3, 2));
     }
 }

@@ -76,10 +76,15 @@ impl Camera {
     }
 
     /// The same camera with near and far planes close around what of the mesh lies in front of it.
-    pub fn fit_depth(mut self, mesh: &Mesh) -> Self {
+    pub fn fit_depth(self, mesh: &Mesh) -> Self {
+        self.fit_depth_of(mesh.positions().iter().map(|&p| Vec3::from(p).as_dvec3()))
+    }
+
+    /// The same, around points.
+    pub(super) fn fit_depth_of(mut self, points: impl Iterator<Item = DVec3>) -> Self {
         let eye = self.eye.as_dvec3();
         let forward = self.forward.as_dvec3();
-        let depths = mesh.positions().iter().map(|&p| (Vec3::from(p).as_dvec3() - eye).dot(forward));
+        let depths = points.map(|point| (point - eye).dot(forward));
         let (nearest, farthest) =
             depths.fold((f64::INFINITY, 0.0_f64), |(low, high), depth| (low.min(depth), high.max(depth)));
         if farthest > 0.0 {

@@ -2,6 +2,7 @@
 
 use super::camera::Camera;
 use super::light::Lights;
+use super::mesh::Mesh;
 use crate::error::{Error, Result};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 
@@ -76,6 +77,25 @@ impl Moment {
         Self { camera, lights, poses: Vec::new() }
     }
 
+    /// The same moment with the camera's near and far planes close around what of the mesh, with its objects where they
+    /// are, lies in front of it.
+    pub fn fit_depth(self, mesh: &Mesh) -> Self {
+        let camera = if self.poses.is_empty() {
+            self.camera.fit_depth(mesh)
+        } else {
+            let points = mesh.objects().iter().zip(0..).flat_map(|(object, index)| {
+                let matrix = self.pose(index).matrix();
+                let (first, count) = (object.first_index as usize, object.index_count as usize);
+                let indices = &mesh.indices()[first..first + count];
+                indices.iter().map(move |&vertex| {
+                    matrix.transform_point3(Vec3::from(mesh.positions()[vertex as usize]).as_dvec3())
+                })
+            });
+            self.camera.fit_depth_of(points)
+        };
+        Self { camera, ..self }
+    }
+
     /// Where an object is.
     pub fn pose(&self, object: usize) -> Pose {
         self.poses.get(object).copied().unwrap_or_default()
@@ -85,6 +105,7 @@ impl Moment {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::MeshOptions;
 
     #[test]
     fn a_pose_turns_about_its_center_then_moves() {
@@ -95,6 +116,23 @@ mod tests {
         assert!((pose.point_to_object(to.as_vec3()) - Vec3::new(2.0, 5.0, 0.0)).length() < 1e-5);
         assert!((pose.to_object(Vec3::NEG_Z) - Vec3::X).length() < 1e-6);
         assert_eq!(Pose::default().matrix(), DMat4::IDENTITY);
+    }
+
+    #[test]
+    fn depth_is_fitted_to_where_the_objects_are() {
+        let text = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 4 5 6\n";
+        let mesh = Mesh::parse(text.as_bytes(), "two.obj", &MeshOptions::default()).expect("a mesh").mesh;
+        let camera = Camera::look_at(10.0 * Vec3::Z, Vec3::ZERO, None, 30.0).expect("a camera");
+        let mut moment = Moment::at_rest(camera, Lights::default());
+        assert_eq!(moment.clone().fit_depth(&mesh).camera, camera.fit_depth(&mesh));
+        let pose = |z| Pose::new(0.0, Vec3::Y, Vec3::ZERO, z * Vec3::Z).expect("a pose");
+        // One moves towards the camera, the other away; then the other stays.
+        for (poses, near, far) in [(vec![pose(4.0), pose(-20.0)], 6.0, 30.0), (vec![pose(4.0)], 6.0, 10.0)] {
+            moment.poses = poses;
+            let camera = moment.clone().fit_depth(&mesh).camera;
+            assert!((0.9 * near..near).contains(&camera.near()), "{}", camera.near());
+            assert!((far + 1e-6..1.1 * far).contains(&camera.far()), "{}", camera.far());
+        }
     }
 
     #[test]

@@ -143,14 +143,67 @@ fn films_are_whole_or_not_there() {
 }
 
 #[test]
+fn an_animated_png_has_the_pixels_of_numbered_pictures() {
+    let place = Place::new();
+    place.ok(&(animate("object", "0..3", "film.png") + " --rate 10"));
+    place.ok(&animate("object", "0..3", "out/%d.png"));
+    let open = |name: &str| {
+        let file = std::io::BufReader::new(fs::File::open(place.path(name)).expect("a file"));
+        image::codecs::png::PngDecoder::new(file).expect("a PNG")
+    };
+    let film = open("film.png").apng().expect("an animated PNG");
+    assert!(matches!(film.loop_count(), image::metadata::LoopCount::Infinite));
+    let frames = film.into_frames().collect_frames().expect("frames");
+    assert_eq!((frames.len(), frames[0].delay().numer_denom_ms()), (4, (100, 1)));
+    for (number, frame) in frames.iter().enumerate() {
+        assert!(*frame.buffer() == place.picture(&format!("out/{number}.png")), "frame {number}");
+    }
+    assert!(frames[0].buffer() != frames[3].buffer() && frames[0].buffer().pixels().any(|pixel| pixel.0[3] == 0));
+    assert!(place.picture("film.png") == *frames[0].buffer(), "who knows no animation sees the first frame");
+
+    place.ok(&animate("object", "0..0", "film.png"));
+    assert!(!open("film.png").is_apng().expect("a PNG"), "one frame is a plain picture");
+    assert!(place.picture("film.png") == *frames[0].buffer());
+}
+
+#[test]
+fn a_motion_file_moves_camera_light_and_objects() {
+    let place = Place::new();
+    let motion = r#"{"smooth": true, "cuts": [2],
+        "camera": [{"frame": 0, "eye": [5, 3, 5], "target": [0, 0.5, 0]},
+                   {"frame": 2, "eye": [-5, 3, 5], "target": [0, 0.5, 0], "fov": 40},
+                   {"frame": 4, "eye": [-5, 4, 5], "target": [0, 0.5, 0], "fov": 40}],
+        "light": [{"frame": 0, "direction": [1, 1, 0]}, {"frame": 4, "direction": [0, 1, 1]}],
+        "objects": {"tent": [{"frame": 0}, {"frame": 4, "turn": 60, "move": [0, 0.5, 0]}]}}"#;
+    fs::write(place.path("motion.json"), motion).expect("written");
+    let base = "scene.obj --paint strip.png --size 64x48 --technique object";
+    let line = format!("animate {base} --frames 0..4 -o out/%d.png --motion motion.json --validate");
+    let report = place.json(&line);
+    assert_eq!(report["rendered"]["cuts"], serde_json::json!([2]));
+    assert_eq!(report["parameters"]["keyframes"]["objects"]["tent"][1]["turn"], 60);
+    // The first frame is what `render` shows from there.
+    let view = "--eye 5,3,5 --target 0,0.5,0";
+    place.ok(&format!("render {base} {view} --light 1,1,0 -o still.png"));
+    let alpha = |name: &str| place.picture(name).pixels().map(|pixel| pixel.0[3]).collect::<Vec<_>>();
+    assert!(place.picture("out/0.png") == place.picture("still.png"));
+    assert!(alpha("out/1.png") != alpha("out/2.png") && alpha("out/2.png") != alpha("out/3.png"));
+    place.json(&format!("animate {base} --frames 0..1 -o turn/%d.png --turn tent=5 --turn all=-2.5"));
+    assert!(place.path("turn/1.png").exists());
+}
+
+#[test]
 fn what_cannot_be_animated_is_told() {
     let place = Place::new();
+    let roof = r#"{"objects": {"roof": [{"frame": 5, "turn": 3}]}}"#;
+    fs::write(place.path("roof.json"), roof).expect("written");
     fs::write(place.path("falling.json"), r#"{"camera": [{"frame": 5}, {"frame": 5}]}"#).expect("written");
     fs::write(place.path("unknown.json"), r#"{"camera": [{"frame": 5, "roll": 3}]}"#).expect("written");
     fs::write(place.path("far.json"), r#"{"camera": [{"frame": 5, "distance": 1e9}]}"#).expect("written");
     let base = "animate scene.obj --paint strip.png --size 32x32 --technique object";
     for (flags, code, parts) in [
-        ("-o out.png", 1, vec!["out.png", "%04d", ".gif"]),
+        ("-o out.jpg", 1, vec!["out.jpg", "%04d", ".gif"]),
+        ("-o out.png --resume", 1, vec!["out.png", "--resume"]),
+        ("-o none/out.png", 1, vec!["none"]),
         ("-o out/%x.png", 1, vec!["%04d"]),
         ("-o out/%04d%d.png", 1, vec!["%04d"]),
         ("-o out/%04d.pdf", 1, vec![".png"]),
@@ -166,8 +219,13 @@ fn what_cannot_be_animated_is_told() {
         ("-o %d.png --motion scene.obj", 1, vec!["scene.obj", "line 1"]),
         ("-o %d.png --motion falling.json", 1, vec!["falling.json", "camera must rise"]),
         ("-o %d.png --motion unknown.json", 1, vec!["unknown.json", "roll"]),
-        ("-o %d.png --motion far.json", 1, vec!["far.json", "0.001 to 1000"]),
+        ("-o %d.png --motion far.json", 1, vec!["far.json", "frame 5", "1000000000", "0.001 to 1000"]),
         ("-o %d.png --motion far.json --orbit 3", 2, vec!["--orbit"]),
+        ("-o %d.png --motion roof.json", 1, vec!["roof.json", "`tent`, `floor`"]),
+        ("-o %d.png --motion roof.json --turn tent=3", 2, vec!["--turn"]),
+        ("-o %d.png --turn roof=3", 1, vec!["roof", "`tent`, `floor`"]),
+        ("-o %d.png --turn tent", 2, vec!["OBJECT=DEGREES"]),
+        ("-o %d.png --turn 0=3 --turn tent=2", 1, vec!["`tent` is given twice"]),
     ] {
         place.fails(&format!("{base} {flags}"), code, &parts);
     }
