@@ -6,11 +6,12 @@
 use super::failure::{Failure, Result};
 use super::film::{Sink, Target};
 use super::frames::Frames;
+use super::meter::quantile;
 use super::motion::MotionFlags;
 use super::painter::{Painter, Scene};
 use super::picture::over;
 use super::session::Session;
-use super::shot::ShotFlags;
+use super::shot::{LookFlags, ShotFlags};
 use clap::Args;
 use impasto::technique::Show;
 use serde_json::json;
@@ -43,6 +44,8 @@ pub struct AnimateArgs {
     #[command(flatten)]
     motion: MotionFlags,
     #[command(flatten)]
+    look: LookFlags,
+    #[command(flatten)]
     shot: ShotFlags,
 }
 
@@ -52,13 +55,14 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     if !target.is_numbered() && (args.resume || args.shard.is_some()) {
         return Err(Failure::file(&args.output, "--resume and --shard are for numbered pictures, like DIR/%04d.png"));
     }
-    let shot = args.shot.load(session)?;
+    let shot = args.shot.load(&[args.look.technique], session)?;
+    let chosen = args.shot.choose(args.look.technique, &shot)?;
     let motion = args.motion.load(&shot, args.shot.view.axis(), args.frames, session)?;
     // The range of shade is that of the first frame of all, whatever part of them this is.
     let first = motion.at(args.frames.first, &shot.mesh)?;
     session.parameter("frames", args.frames.to_string());
     session.parameter("still", args.still);
-    let background = args.shot.background;
+    let background = args.look.background;
     session.parameter("background", background.map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")));
     // What makes the frames what they are; how they are shared out does not.
     let made_by = session.parameters_json();
@@ -82,7 +86,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     device.check_size(args.shot.size)?;
     session.phase("setup");
     let scene = Scene { mesh: &shot.mesh, camera: first.camera, lights: first.lights, size: args.shot.size };
-    let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
+    let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &chosen)?;
     session.phase("prepare");
 
     let mut sink = Sink::open(&target, args.shot.size, numbers.len(), &made_by)?;
@@ -110,8 +114,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let written = sink.finish()?;
     session.phase("animate");
     session.take_times(&mut device.runner);
-    times.sort_by(f64::total_cmp);
-    let at = |share: f64| times[((times.len() - 1) as f64 * share).round() as usize] * 1e3;
+    let at = |share: f64| quantile(&times, share).unwrap_or_default() * 1e3;
     let total: f64 = times.iter().sum();
     let rate = times.len() as f64 / total;
     session.result(

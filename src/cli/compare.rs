@@ -6,7 +6,10 @@ use super::error_map::ErrorMap;
 use super::failure::{Failure, Result};
 use super::files::{check_folder, Outputs};
 use super::measure::shading_figures;
-use super::meter::{check_room, sample_picture, Figures, Grid, Meter, Pair, SearchFlags, Strip as Source, TestFlags};
+use super::meter::{
+    check_room, frame_picture, sample_picture, Figures, Grid, Meter, Pair, SearchFlags, Seen, Strip as Source,
+    TestFlags,
+};
 use super::painter::{Painter, Scene};
 use super::paints::Paints;
 use super::picture::{gray_png, over, png, png16};
@@ -18,10 +21,9 @@ use super::techniques::{TechniqueName, TechniqueOptions};
 use super::values::{finite, Size};
 use super::view::ViewFlags;
 use clap::Args;
-use image::RgbaImage;
 use impasto::metric::{flip, shading_error, similarity, FlipParams, Motion, Picture, BLOCK_PX};
 use impasto::paint::PaintSample;
-use impasto::scene::{Camera, Guide, GuideOracle, Lights, Mesh, MeshOptions};
+use impasto::scene::{Camera, Lights, Mesh, MeshOptions};
 use impasto::technique::Show;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -131,9 +133,8 @@ pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.size)?;
     session.phase("setup");
-    let guide = |camera: &Camera| GuideOracle::render(&mesh, camera, &lights, args.size.width, args.size.height);
-    let guides: [Guide; 2] = [guide(&cameras[0])?, guide(&cameras[1])?];
-    let motion = Motion::between([&cameras[0], &cameras[1]], [&guides[0], &guides[1]])?;
+    let seen = |camera: Camera| Seen::new(&mesh, &(camera, lights.clone()), args.size);
+    let motion = seen(cameras[0])?.motion_to(&seen(cameras[1])?)?;
     let meter = Meter::new(&args.search, &device)?;
     let stage = Stage { args, mesh: &mesh, lights, cameras, motion, meter };
     let mut outputs = Outputs::default();
@@ -239,7 +240,7 @@ impl Stage<'_> {
         painter.draw(Some(session), device, view(1), 1)?;
         let second = painter.frame(device, Show::Painted)?;
         session.phase("paint");
-        let (frame, next) = (measured_picture(&first)?, measured_picture(&second)?);
+        let (frame, next) = (frame_picture(&first)?, frame_picture(&second)?);
 
         let mut figures = Figures::default();
         let block_px = args.test.block_size;
@@ -287,10 +288,6 @@ fn file_name(paint: usize, technique: TechniqueName) -> String {
 fn builtin_model() -> Result<Mesh> {
     let bytes = builtin(MODEL).map(|file| file.bytes).unwrap_or_default();
     Ok(Mesh::parse(bytes, MODEL, &MeshOptions::default())?.mesh)
-}
-
-fn measured_picture(frame: &RgbaImage) -> Result<Picture> {
-    Ok(Picture::new(frame.width(), frame.height(), frame.pixels().map(|pixel| pixel.0).collect())?)
 }
 
 /// What the paints are called: their files' names without folder and extension, or all of it where two would be the

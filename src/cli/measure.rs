@@ -1,5 +1,6 @@
 //! `impasto measure`: the metrics of chapter 9, and newer ones, on any pictures of up to 4096 pixels a side.
 
+use super::calm::{self, CalmArgs};
 use super::failure::{Failure, Result};
 use super::files::{check_file, Outputs};
 use super::meter::{check_room, load_sample, Figures, Grid, Meter, Pair, SearchFlags, TestFlags, FIGURE_HEADERS};
@@ -27,6 +28,8 @@ enum What {
     Shading(ShadingArgs),
     /// How much a frame changes to the next, in the picture and on the surface (thesis 9.3), with FLIP
     Coherence(CoherenceArgs),
+    /// How calm an animation is with each way of painting, and whether its strokes stay as they are
+    Calm(Box<CalmArgs>),
     /// What the measure of similarity says of textures that are wrong in known ways (thesis 9.1.1 to 9.1.3)
     Tests(MetricTestsArgs),
 }
@@ -127,6 +130,7 @@ pub fn run(args: &MeasureArgs, session: &mut Session) -> Result {
             against_sample(paths, (&args.common, &args.search), shades, session, value, figures)
         }
         What::Coherence(args) => between_frames(args, session),
+        What::Calm(args) => calm::run(args, session),
         What::Tests(args) => metric_tests::run(args, session),
     }
 }

@@ -1,15 +1,19 @@
-//! What every command that measures shares: the flags, which pixels are tested, and the search for their nearest.
+//! What every command that measures shares: the flags, which pixels are tested, the search for their nearest, and what
+//! moves where.
 
 use super::error_map::ErrorMap;
 use super::failure::{Failure, Result};
 use super::session::{Device, Session};
 use super::table::{Cell, Table};
+use super::values::Size;
 use clap::{Args, ValueEnum};
+use image::RgbaImage;
 use impasto::metric::{
     choose, coherence, cooccurrence_error, sliced_wasserstein, BlockSearch, CooccurrenceParams, Eligible, Features,
     KdTree, Motion, Neighbour, Picture, Score, Source, WassersteinParams,
 };
 use impasto::paint::PaintSample;
+use impasto::scene::{Camera, Guide, GuideOracle, Lights, Mesh};
 use serde_json::{json, Map, Value};
 use std::path::Path;
 
@@ -94,6 +98,42 @@ pub fn load_sample(path: &Path) -> Result<Picture> {
 /// A sample of paint as a picture.
 pub fn sample_picture(sample: &PaintSample) -> Result<Picture> {
     Ok(Picture::new(sample.width(), sample.height(), sample.to_rgba8())?)
+}
+
+/// A frame as a picture.
+pub fn frame_picture(frame: &RgbaImage) -> Result<Picture> {
+    Ok(Picture::new(frame.width(), frame.height(), frame.pixels().map(|pixel| pixel.0).collect())?)
+}
+
+/// The value that a share of the values, 0 to 1, is not above; of no value, nothing.
+pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get((sorted.len().saturating_sub(1) as f64 * share).round() as usize).copied()
+}
+
+/// What a frame shows of the scene, for the motion to the next.
+pub struct Seen {
+    camera: Camera,
+    guide: Guide,
+}
+
+impl Seen {
+    /// Looks at the scene.
+    pub fn new(mesh: &Mesh, (camera, lights): &(Camera, Lights), size: Size) -> Result<Self> {
+        let guide = GuideOracle::render(mesh, camera, lights, size.width, size.height)?;
+        Ok(Seen { camera: *camera, guide })
+    }
+
+    /// The motion to the next frame.
+    pub fn motion_to(&self, next: &Seen) -> Result<Motion> {
+        Ok(Motion::between([&self.camera, &next.camera], [&self.guide, &next.guide])?)
+    }
+
+    /// The object at each pixel, 0 for none.
+    pub fn objects(&self) -> &[u32] {
+        &self.guide.id
+    }
 }
 
 /// Checks that a picture has room for a block.

@@ -10,6 +10,7 @@
 mod animate;
 mod blocks;
 mod builtin;
+mod calm;
 mod compare;
 mod compare_page;
 mod demo;

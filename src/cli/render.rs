@@ -8,7 +8,7 @@ use super::paints::Paints;
 use super::picture::{encode, format_of, gray_png, over, png};
 use super::quilting::Quilting;
 use super::session::{Device, Session};
-use super::shot::ShotFlags;
+use super::shot::{LookFlags, ShotFlags};
 use super::strips::trajectory_picture;
 use clap::Args;
 use impasto::technique::dependent::CoverageReport;
@@ -22,6 +22,8 @@ pub struct RenderArgs {
     /// Picture to write: .png, .bmp or .tiff with a transparent background, or .jpg
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
+    #[command(flatten)]
+    look: LookFlags,
     #[command(flatten)]
     shot: ShotFlags,
     /// Folder for the intermediates: shade.png, id.png, color.png, texture.png, trajectory.png, trajectory.csv, with
@@ -39,7 +41,8 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
         check_folder(dir)?;
         check_apart(&args.output, dir)?;
     }
-    let shot = args.shot.load(session)?;
+    let shot = args.shot.load(&[args.look.technique], session)?;
+    let chosen = args.shot.choose(args.look.technique, &shot)?;
     session.phase("load");
 
     let mut device = session.open_device()?;
@@ -47,13 +50,13 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
     session.phase("setup");
     let view = (shot.camera, shot.lights.clone());
     let scene = Scene { mesh: &shot.mesh, camera: shot.camera, lights: shot.lights, size: args.shot.size };
-    let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
+    let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &chosen)?;
     painter.draw(Some(session), &mut device, view, 0)?;
     session.phase("synthesis");
 
     let mut outputs = Outputs::default();
     let mut frame = painter.frame(&mut device, Show::Painted)?;
-    if let Some(background) = args.shot.background {
+    if let Some(background) = args.look.background {
         frame = over(frame, background);
     }
     if let Some(report) = painter.coverage() {

@@ -1,11 +1,11 @@
-//! What commands that paint a model share: the model, its paint, the technique, the view, and loading and checking
-//! them.
+//! What commands that paint a model share: the model, its paint, the flags of all techniques, the view, and loading and
+//! checking them.
 
 use super::failure::Result;
 use super::paints::{PaintFlags, Paints};
 use super::quilting::Quilting;
 use super::session::Session;
-use super::techniques::{Chosen, TechniqueFlags, TechniqueName};
+use super::techniques::{Chosen, TechniqueName, TechniqueOptions};
 use super::values::{color, Size};
 use super::view::ViewFlags;
 use clap::Args;
@@ -13,7 +13,7 @@ use impasto::scene::{Camera, Lights, Mesh, MeshOptions};
 use impasto::technique::image::ImageParams;
 use std::path::{Path, PathBuf};
 
-/// A model, painted.
+/// A model, and what all ways of painting it take.
 #[derive(Args, Debug)]
 pub struct ShotFlags {
     /// Wavefront OBJ model
@@ -27,9 +27,17 @@ pub struct ShotFlags {
     #[command(flatten)]
     pub quilting: Quilting,
     #[command(flatten)]
-    technique: TechniqueFlags,
+    technique: TechniqueOptions,
     #[command(flatten)]
     pub view: ViewFlags,
+}
+
+/// How it is painted, for commands that paint in one way.
+#[derive(Args, Debug)]
+pub struct LookFlags {
+    /// Way of painting
+    #[arg(long, value_enum, default_value_t)]
+    pub technique: TechniqueName,
     /// Colour behind the model, like #ffffff [default: transparent]
     #[arg(long, value_name = "COLOR", value_parser = color)]
     pub background: Option<[u8; 3]>,
@@ -41,36 +49,40 @@ pub struct Shot {
     pub camera: Camera,
     pub lights: Lights,
     pub paints: Paints,
-    pub chosen: Chosen,
 }
 
 impl ShotFlags {
-    /// Loads and checks everything, and reports the flags.
-    pub fn load(&self, session: &mut Session) -> Result<Shot> {
+    /// Loads and checks everything for painting in these ways, and reports the flags.
+    pub fn load(&self, techniques: &[TechniqueName], session: &mut Session) -> Result<Shot> {
         let lights = self.view.lights()?;
         let mesh = load_model(&self.model, session)?;
         let camera = self.view.camera(&mesh, self.size.aspect())?;
-        let name = self.technique.technique;
-        let paints = self.paints.load(&mesh, name == TechniqueName::Aligned, session)?;
-        let chosen = self.technique.options.choose(name, &self.quilting, &mesh, paints.prepared()?)?;
-        let window = ImageParams { quilt: chosen.quilt, k: chosen.k, ..ImageParams::default() };
+        let only_aligned = techniques.iter().all(|name| *name == TechniqueName::Aligned);
+        let paints = self.paints.load(&mesh, only_aligned, session)?;
+        let window = self.technique.image(&self.quilting);
         // A k out of range is told before any work.
         window.window_px(1)?;
+        let any = |wanted: &[TechniqueName]| techniques.iter().any(|name| wanted.contains(name));
         for (file, strip) in paints.strips() {
             let size = (strip.sample.width(), strip.sample.height());
-            if name != TechniqueName::Object {
+            if any(&[TechniqueName::Image, TechniqueName::Aligned, TechniqueName::Dependent]) {
                 self.quilting.check(file, size, self.size, false)?;
             }
-            if matches!(name, TechniqueName::Image | TechniqueName::Dependent) {
+            if any(&[TechniqueName::Image, TechniqueName::Dependent]) {
                 warn_of_wide_window(file, size.0, &window, session)?;
             }
         }
         session.parameter("model", self.model.display().to_string());
         session.parameter("size", self.size.to_string());
-        self.technique.options.report(name, session);
+        techniques.iter().for_each(|name| self.technique.report(*name, session));
         self.quilting.report(session);
         self.view.report(&camera, &lights, session);
-        Ok(Shot { mesh, camera, lights, paints, chosen })
+        Ok(Shot { mesh, camera, lights, paints })
+    }
+
+    /// The parameters of a technique for what was loaded.
+    pub fn choose(&self, technique: TechniqueName, shot: &Shot) -> Result<Chosen> {
+        self.technique.choose(technique, &self.quilting, &shot.mesh, shot.paints.prepared()?)
     }
 }
 

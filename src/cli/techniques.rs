@@ -10,6 +10,7 @@ use impasto::scene::{Mesh, Vec3};
 use impasto::synthesis::params::QuiltParams;
 use impasto::technique::aligned::{AlignedFrame, LevelBlend, LevelParams, Tileable};
 use impasto::technique::dependent::{default_views, DependentParams, View};
+use impasto::technique::image::ImageParams;
 use impasto::technique::object::{CoordinateParams, ObjectParams, Orientation, SeamPolicy, StripRepeat};
 use serde_json::{json, Value};
 use std::path::Path;
@@ -26,16 +27,6 @@ pub enum TechniqueName {
     Aligned,
     /// Textures prepared for important views of the model, blended between them
     Dependent,
-}
-
-/// Which technique, and the flags of all.
-#[derive(Args, Debug, Clone)]
-pub struct TechniqueFlags {
-    /// Way of painting
-    #[arg(long, value_enum, default_value_t)]
-    pub technique: TechniqueName,
-    #[command(flatten)]
-    pub options: TechniqueOptions,
 }
 
 /// Flags of the techniques.
@@ -227,6 +218,11 @@ impl TechniqueOptions {
             }
         };
         Ok(Chosen { technique, quilt, k: self.k, levels: self.levels })
+    }
+
+    /// The parameters of image-based synthesis.
+    pub fn image(&self, quilting: &Quilting) -> ImageParams {
+        ImageParams { quilt: quilting.params(false), k: self.k, levels: self.levels }
     }
 
     /// Adds the flags that count for a technique to the report.

@@ -24,7 +24,7 @@
 //! A matrix of few pairs is a rough estimate, and two pieces of one texture differ by chance. What counts is the
 //! difference between values of pieces of like size.
 
-use super::Picture;
+use super::picture::{grey, Picture};
 use crate::{Error, Result};
 
 /// How co-occurrence is counted.
@@ -96,10 +96,7 @@ struct Levels {
 
 impl Levels {
     fn new(name: &'static str, picture: &Picture, levels: u32) -> Self {
-        let level = |[red, green, blue, alpha]: &[u8; 4]| {
-            let grey = 299 * u32::from(*red) + 587 * u32::from(*green) + 114 * u32::from(*blue);
-            (*alpha == 255).then_some((grey * levels / 256_000) as u8)
-        };
+        let level = |pixel: &[u8; 4]| (pixel[3] == 255).then_some((grey(*pixel) * levels / 256_000) as u8);
         let pixels = picture.pixels().iter().map(level).collect();
         let (width, height) = (i64::from(picture.width()), i64::from(picture.height()));
         Levels { name, width, height, levels: levels as usize, pixels }

@@ -14,7 +14,10 @@
 //! | [`cooccurrence_error`] | sample and frame, as textures | which greys lie near each other (Bénard et al. 2009) |
 //! | [`sliced_wasserstein`] | sample and frame, as textures | how far their patches are apart (Heitz et al. 2021) |
 //! | `flip` (feature `cli`) | two frames, pixel by pixel | what a person sees change (Andersson et al. 2020) |
+//! | [`frame_difference`] | two frames, surface point by surface point | how much the paint changes on the model |
+//! | [`sharpness`], [`stroke_size`] | a frame with nothing | whether calm has cost the strokes their edges or size |
 
+mod calm;
 mod cooccurrence;
 mod features;
 #[cfg(feature = "cli")]
@@ -28,8 +31,10 @@ mod scores;
 mod search;
 pub mod series;
 mod shades;
+mod stroke;
 mod wasserstein;
 
+pub use calm::{frame_difference, FrameDifference};
 pub use cooccurrence::{cooccurrence_error, CooccurrenceParams};
 pub use features::{block_corner, check_block, FeatureBins, Features, BINS, BLOCK_PX, HISTOGRAMS};
 #[cfg(feature = "cli")]
@@ -43,4 +48,5 @@ pub use scores::{coherence, shading_error, similarity, Score};
 pub use search::{BlockSearch, Neighbour, Source, NEAREST};
 pub(crate) use search::{FEATURES, FEATURE_BINS, FEATURE_DISTANCE, FEATURE_NEAREST};
 pub use shades::Shades;
+pub use stroke::{sharpness, stroke_size};
 pub use wasserstein::{sliced_wasserstein, WassersteinParams};

@@ -106,17 +106,24 @@ impl Motion {
         (self.width, self.height)
     }
 
-    /// The pixel of the next frame that is nearest to where this one's surface is; `None` where it is not to be seen.
-    pub fn pixel(&self, x: u32, y: u32) -> Option<(u32, u32)> {
+    /// Where the surface at a pixel is in the next frame, in pixels: whole numbers are centres of pixels; `None` where it
+    /// is not to be seen.
+    pub fn place(&self, x: u32, y: u32) -> Option<[f64; 2]> {
         if x >= self.width || y >= self.height {
             return None;
         }
         let [right, down] = self.way[(y * self.width + x) as usize]?;
-        let to = |from: u32, way: f32, side: u32| {
-            let to = (f64::from(from) + f64::from(way)).round();
+        Some([f64::from(x) + f64::from(right), f64::from(y) + f64::from(down)])
+    }
+
+    /// The pixel of the next frame that is nearest to where this one's surface is; `None` where it is not to be seen.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<(u32, u32)> {
+        let [to_x, to_y] = self.place(x, y)?;
+        let to = |to: f64, side: u32| {
+            let to = to.round();
             (to >= 0.0 && to < f64::from(side)).then_some(to as u32)
         };
-        Some((to(x, right, self.width)?, to(y, down, self.height)?))
+        Some((to(to_x, self.width)?, to(to_y, self.height)?))
     }
 }
 

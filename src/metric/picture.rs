@@ -7,6 +7,11 @@ use std::path::Path;
 /// The longest side of a picture that is measured, pixels.
 pub const MAX_PICTURE_SIDE_PX: u32 = 16_384;
 
+/// The grey of a pixel in thousandths of its stored values, 0 to 255,000: 0.299 R + 0.587 G + 0.114 B, in integers.
+pub(super) fn grey([red, green, blue, _]: [u8; 4]) -> u32 {
+    299 * u32::from(red) + 587 * u32::from(green) + 114 * u32::from(blue)
+}
+
 /// A picture: rows from top to bottom, pixels from left to right.
 ///
 /// Colours are the file's own values, as everywhere. A pixel belongs to the object where its alpha is 255; what is

@@ -5,6 +5,7 @@ mod common;
 
 mod animate;
 mod bad;
+mod calm;
 mod demo;
 mod good;
 mod measure;

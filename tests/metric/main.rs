@@ -1,5 +1,6 @@
 //! Metrics: the thesis's (chapter 9), on the GPU against plain code and known answers, and newer ones.
 
+mod calm;
 #[path = "../common/mod.rs"]
 mod common;
 #[cfg(feature = "cli")]
