@@ -44,7 +44,7 @@
 //! ```no_run
 //! use impasto::gpu::{Context, ContextOptions, Runner, Uploads};
 //! use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-//! use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
+//! use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment};
 //! use impasto::synthesis::quilt::QuiltStages;
 //! use impasto::technique::image::{ImageParams, ImageTechnique};
 //! use impasto::technique::Paint;
@@ -54,7 +54,7 @@
 //! let trajectory = Trajectory::extract(&strip, &TrajectoryOptions::default())?;
 //! let texture = TextureDifference::extract(&strip, &trajectory);
 //! let mesh = Mesh::load("model.obj", &MeshOptions::default())?.mesh;
-//! let camera = Camera::framing(&mesh, &Framing::default(), 1.0)?;
+//! let moment = Moment::at_rest(Camera::framing(&mesh, &Framing::default(), 1.0)?, Lights::default());
 //!
 //! let context = Context::new(&ContextOptions::default())?;
 //! let mut uploads = Uploads::default();
@@ -68,7 +68,7 @@
 //! let mut runner = Runner::new(&context)?;
 //! runner.run(|recorder| {
 //!     uploads.record(recorder);
-//!     guides.record(recorder, &camera, &Lights::default())?;
+//!     guides.record(recorder, &moment)?;
 //!     technique.record(recorder, params.quilt.seed, 0);
 //!     Ok(())
 //! })?;

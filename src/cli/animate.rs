@@ -11,6 +11,7 @@ use super::picture::over;
 use super::session::Session;
 use super::shot::ShotFlags;
 use clap::Args;
+use impasto::scene::Moment;
 use impasto::technique::Show;
 use serde_json::json;
 use std::path::PathBuf;
@@ -80,7 +81,8 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.shot.size)?;
     session.phase("setup");
-    let scene = Scene { mesh: &shot.mesh, camera: first.0, lights: first.1, size: args.shot.size };
+    let moment = Moment::at_rest(first.0, first.1);
+    let scene = Scene { mesh: &shot.mesh, moment, size: args.shot.size };
     let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
     session.phase("prepare");
 
@@ -88,7 +90,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let progress = session.frames("animating", numbers.len());
     let mut times = Vec::with_capacity(numbers.len());
     let mut reached = args.frames.first;
-    let mut camera = scene.camera;
+    let mut camera = scene.moment.camera;
     for &number in &numbers {
         let started = Instant::now();
         // From the very first frame on, so that every part of a run comes to the same.
@@ -98,7 +100,8 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
             painter.follow(&camera, &next)?;
             camera = next;
         }
-        painter.draw(None, &mut device, motion.at(number, &shot.mesh)?, number)?;
+        let (now, lights) = motion.at(number, &shot.mesh)?;
+        painter.draw(None, &mut device, Moment::at_rest(now, lights), number)?;
         let frame = painter.frame(&mut device, Show::Painted)?;
         sink.write(number, if let Some(color) = background { over(frame, color) } else { frame })?;
         times.push(started.elapsed().as_secs_f64());

@@ -21,7 +21,7 @@ use clap::Args;
 use image::RgbaImage;
 use impasto::metric::{flip, shading_error, similarity, FlipParams, Motion, Picture, BLOCK_PX};
 use impasto::paint::PaintSample;
-use impasto::scene::{Camera, Guide, GuideOracle, Lights, Mesh, MeshOptions};
+use impasto::scene::{Guide, GuideOracle, Mesh, MeshOptions, Moment};
 use impasto::technique::Show;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -71,8 +71,7 @@ pub struct CompareArgs {
 struct Stage<'a> {
     args: &'a CompareArgs,
     mesh: &'a Mesh,
-    lights: Lights,
-    cameras: [Camera; 2],
+    moments: [Moment; 2],
     motion: Motion,
     meter: Meter,
 }
@@ -131,11 +130,12 @@ pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.size)?;
     session.phase("setup");
-    let guide = |camera: &Camera| GuideOracle::render(&mesh, camera, &lights, args.size.width, args.size.height);
-    let guides: [Guide; 2] = [guide(&cameras[0])?, guide(&cameras[1])?];
-    let motion = Motion::between([&cameras[0], &cameras[1]], [&guides[0], &guides[1]])?;
+    let moments = cameras.map(|camera| Moment::at_rest(camera, lights.clone()));
+    let guide = |moment: &Moment| GuideOracle::render(&mesh, moment, args.size.width, args.size.height);
+    let guides: [Guide; 2] = [guide(&moments[0])?, guide(&moments[1])?];
+    let motion = Motion::between([&moments[0], &moments[1]], [&guides[0], &guides[1]])?;
     let meter = Meter::new(&args.search, &device)?;
-    let stage = Stage { args, mesh: &mesh, lights, cameras, motion, meter };
+    let stage = Stage { args, mesh: &mesh, moments, motion, meter };
     let mut outputs = Outputs::default();
     let (width, height) = args.size.pair();
     outputs.add(args.output.join("motion.png"), png16(width, height, &stage.motion.to_rgb16())?);
@@ -225,18 +225,17 @@ impl Stage<'_> {
     ) -> Result<Measured> {
         let args = self.args;
         let chosen = args.technique.choose(technique, &args.quilting, self.mesh, None)?;
-        let scene = Scene { mesh: self.mesh, camera: self.cameras[0], lights: self.lights.clone(), size: args.size };
+        let scene = Scene { mesh: self.mesh, moment: self.moments[0].clone(), size: args.size };
         let started = Instant::now();
-        let view = |frame: usize| (self.cameras[frame], self.lights.clone());
         let mut painter = Painter::new(session, device, &scene, paints, &chosen)?;
-        painter.draw(Some(session), device, view(0), 0)?;
+        painter.draw(Some(session), device, self.moments[0].clone(), 0)?;
         let first = painter.frame(device, Show::Painted)?;
         let prepared = started.elapsed();
         let shades = painter.shades(device)?;
         if paint.number == 0 && technique == TechniqueName::Image {
             outputs.add(args.output.join("shade.png"), gray_png(painter.shade(device)?)?);
         }
-        painter.draw(Some(session), device, view(1), 1)?;
+        painter.draw(Some(session), device, self.moments[1].clone(), 1)?;
         let second = painter.frame(device, Show::Painted)?;
         session.phase("paint");
         let (frame, next) = (measured_picture(&first)?, measured_picture(&second)?);

@@ -8,7 +8,7 @@ use super::techniques::{Chosen, Technique};
 use super::values::Size;
 use image::{GrayAlphaImage, LumaA, Rgba, RgbaImage};
 use impasto::gpu::{Image, Uploads};
-use impasto::scene::{Camera, GuidePass, Lights, Mesh};
+use impasto::scene::{Camera, GuidePass, Mesh, Moment};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{screen_displacement, AlignedFrame, AlignedTechnique, LevelVolume};
@@ -18,19 +18,17 @@ use impasto::technique::object::ObjectTechnique;
 use impasto::technique::{ShadeRange, Show};
 use std::collections::HashSet;
 
-/// What is painted, from where it is seen, and how it is lit.
+/// What is painted, and what it is like at first.
 pub struct Scene<'a> {
     pub mesh: &'a Mesh,
-    pub camera: Camera,
-    pub lights: Lights,
+    pub moment: Moment,
     pub size: Size,
 }
 
 /// A scene, ready to be drawn frame by frame.
 pub struct Painter<'a> {
     scene: &'a Scene<'a>,
-    camera: Camera,
-    lights: Lights,
+    moment: Moment,
     guides: GuidePass,
     technique: Prepared,
     range: ShadeRange,
@@ -45,8 +43,8 @@ enum Prepared {
 }
 
 impl<'a> Painter<'a> {
-    /// Prepares the technique up to the first frame's drawing. The scene's camera and lights are those that the range
-    /// of shade is found for.
+    /// Prepares the technique up to the first frame's drawing. The scene's moment is the one that the range of shade is
+    /// found for.
     pub fn new(
         session: &mut Session,
         device: &mut Device,
@@ -60,7 +58,7 @@ impl<'a> Painter<'a> {
         let guides = GuidePass::new(&context, &mut uploads, scene.mesh, size)?;
         device.upload(&mut uploads)?;
         let range = if chosen.levels {
-            device.runner.run(|recorder| guides.record(recorder, &scene.camera, &scene.lights))?;
+            device.runner.run(|recorder| guides.record(recorder, &scene.moment))?;
             let shade = floats(&device.runner.read_image(guides.shade())?);
             ShadeRange::of_guide(&shade, &words(&device.runner.read_image(guides.id())?))
         } else {
@@ -109,7 +107,7 @@ impl<'a> Painter<'a> {
                     &mut uploads,
                     &stages,
                     scene.mesh,
-                    &scene.lights,
+                    &scene.moment.lights,
                     &covered,
                     *view_px,
                     size,
@@ -129,21 +127,15 @@ impl<'a> Painter<'a> {
                 Prepared::Dependent(Box::new(technique), covered.report)
             }
         };
-        Ok(Painter { scene, camera: scene.camera, lights: scene.lights.clone(), guides, technique, range, seed })
+        Ok(Painter { scene, moment: scene.moment.clone(), guides, technique, range, seed })
     }
 
-    /// Draws what frame `number` is made of, through a camera and in lights: the guides, and what is synthesised anew
+    /// Draws what frame `number` is made of, at a moment: the guides, and what is synthesised anew
     /// for every frame, with a progress bar of the `session` if one is given. The range of shade stays, but for
     /// image-based synthesis, which finds that of every frame.
-    pub fn draw(
-        &mut self,
-        session: Option<&Session>,
-        device: &mut Device,
-        (camera, lights): (Camera, Lights),
-        number: u32,
-    ) -> Result {
-        (self.camera, self.lights) = (camera, lights);
-        device.runner.run(|recorder| self.guides.record(recorder, &self.camera, &self.lights))?;
+    pub fn draw(&mut self, session: Option<&Session>, device: &mut Device, moment: Moment, number: u32) -> Result {
+        self.moment = moment;
+        device.runner.run(|recorder| self.guides.record(recorder, &self.moment))?;
         if let Prepared::Image(technique) = &self.technique {
             synthesise(session, device, technique, self.seed, number)?;
         }
@@ -161,15 +153,15 @@ impl<'a> Painter<'a> {
 
     /// The frame: painted, its colour alone, or its texture alone.
     pub fn frame(&self, device: &mut Device, show: Show) -> Result<RgbaImage> {
-        let (camera, lights, size) = (&self.camera, &self.lights, self.scene.size);
+        let (moment, size) = (&self.moment, self.scene.size);
         device.runner.run(|recorder| match &self.technique {
             Prepared::Image(technique) => {
                 technique.record_recombine(recorder, show);
                 Ok(())
             }
-            Prepared::Object(technique) => technique.record(recorder, camera, lights, self.range, show),
+            Prepared::Object(technique) => technique.record(recorder, moment, self.range, show),
             Prepared::Aligned(technique, frame) => technique.record(recorder, &AlignedFrame { show, ..*frame }),
-            Prepared::Dependent(technique, _) => technique.record(recorder, camera, lights, show),
+            Prepared::Dependent(technique, _) => technique.record(recorder, moment, show),
         })?;
         from_texels(device.runner.read_image(self.image())?, size.pair())
     }

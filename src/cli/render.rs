@@ -11,6 +11,7 @@ use super::session::{Device, Session};
 use super::shot::ShotFlags;
 use super::strips::trajectory_picture;
 use clap::Args;
+use impasto::scene::Moment;
 use impasto::technique::dependent::CoverageReport;
 use impasto::technique::Show;
 use serde_json::json;
@@ -45,10 +46,10 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.shot.size)?;
     session.phase("setup");
-    let view = (shot.camera, shot.lights.clone());
-    let scene = Scene { mesh: &shot.mesh, camera: shot.camera, lights: shot.lights, size: args.shot.size };
+    let moment = Moment::at_rest(shot.camera, shot.lights);
+    let scene = Scene { mesh: &shot.mesh, moment: moment.clone(), size: args.shot.size };
     let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &shot.chosen)?;
-    painter.draw(Some(session), &mut device, view, 0)?;
+    painter.draw(Some(session), &mut device, moment, 0)?;
     session.phase("synthesis");
 
     let mut outputs = Outputs::default();

@@ -2,6 +2,7 @@
 
 use super::camera::Camera;
 use super::light::Lights;
+use super::mesh::Mesh;
 use crate::error::{Error, Result};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 
@@ -74,6 +75,19 @@ impl Moment {
     /// All objects at rest.
     pub fn at_rest(camera: Camera, lights: Lights) -> Self {
         Self { camera, lights, poses: Vec::new() }
+    }
+
+    /// The same moment with the camera's near and far planes close around what of the mesh lies in front of it.
+    pub fn fit_depth(mut self, mesh: &Mesh) -> Self {
+        let poses = &self.poses;
+        let points = mesh.objects().iter().enumerate().flat_map(|(number, object)| {
+            let to_world = poses.get(number).copied().unwrap_or_default().matrix();
+            let indices = object.first_index as usize..(object.first_index + object.index_count) as usize;
+            let point = move |&vertex: &u32| Vec3::from(mesh.positions()[vertex as usize]).as_dvec3();
+            mesh.indices()[indices].iter().map(point).map(move |point| to_world.transform_point3(point))
+        });
+        self.camera = self.camera.fit_points(points);
+        self
     }
 
     /// Where an object is.

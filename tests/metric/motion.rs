@@ -1,7 +1,7 @@
 //! Motion between two cameras, by values worked by hand.
 
 use impasto::metric::{Motion, Picture, Shades};
-use impasto::scene::{Camera, GuideOracle, Lights, Mesh, MeshOptions, Vec3};
+use impasto::scene::{Camera, GuideOracle, Lights, Mesh, MeshOptions, Moment, Vec3};
 
 const SIDE: u32 = 64;
 
@@ -21,11 +21,9 @@ fn wall_and_board() -> Mesh {
 #[test]
 fn what_stands_nearer_moves_further_and_hides_what_is_behind_it() {
     let mesh = wall_and_board();
-    let cameras = [camera(0.0, &mesh), camera(0.5, &mesh)];
-    let guides = cameras
-        .each_ref()
-        .map(|camera| GuideOracle::render(&mesh, camera, &Lights::default(), SIDE, SIDE).expect("a guide"));
-    let motion = Motion::between([&cameras[0], &cameras[1]], [&guides[0], &guides[1]]).expect("a motion");
+    let moments = [0.0, 0.5].map(|right| Moment::at_rest(camera(right, &mesh), Lights::default()));
+    let guides = moments.each_ref().map(|moment| GuideOracle::render(&mesh, moment, SIDE, SIDE).expect("a guide"));
+    let motion = Motion::between([&moments[0], &moments[1]], [&guides[0], &guides[1]]).expect("a motion");
     assert_eq!(motion.size(), (SIDE, SIDE));
     // Pixels to a unit of the world at a distance.
     let scale = |distance: f64| f64::from(SIDE) / (2.0 * distance * (22.5_f64).to_radians().tan());
@@ -53,10 +51,10 @@ fn what_stands_nearer_moves_further_and_hides_what_is_behind_it() {
     }
     assert!(hidden > 20, "{hidden}");
     assert_eq!(motion.pixel(SIDE, 0), None);
-    let still = Motion::between([&cameras[0], &cameras[0]], [&guides[0], &guides[0]]).expect("a motion");
+    let still = Motion::between([&moments[0], &moments[0]], [&guides[0], &guides[0]]).expect("a motion");
     assert!((0..SIDE).all(|x| still.pixel(x, 20) == Some((x, 20))));
-    let small = GuideOracle::render(&mesh, &cameras[1], &Lights::default(), 9, 9).expect("a guide");
-    assert!(Motion::between([&cameras[0], &cameras[1]], [&guides[0], &small]).is_err());
+    let small = GuideOracle::render(&mesh, &moments[1], 9, 9).expect("a guide");
+    assert!(Motion::between([&moments[0], &moments[1]], [&guides[0], &small]).is_err());
     file_gives_the_same(&motion);
 }
 
