@@ -7,7 +7,7 @@
 
 use impasto::gpu::{Context, ContextOptions, Image, Recorder, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment};
+use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, MotionPass};
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{AlignedFrame, AlignedTechnique, LevelParams, LevelSource, LevelVolume};
 use impasto::technique::dependent::{default_views, DependentParams, DependentTechnique, ViewCoverage};
@@ -149,6 +149,10 @@ fn main() -> Result {
     println!("  preparing view-dependent, with the views: {:.3} s", seconds(start));
 
     frames(&mut runner, rounds, "guide pass alone", None, |recorder| guides.record(recorder, &moment))?;
+    let motion = MotionPass::new(&context, &guides)?;
+    frames(&mut runner, rounds, "motion", Some(motion.motion()), |recorder| {
+        motion.record(recorder, Some(&moment), &moment)
+    })?;
     let range = ShadeRange::default();
     frames(&mut runner, rounds, "object-based", Some(object.frame()), |recorder| {
         object.record(recorder, &moment, range, Show::Painted)

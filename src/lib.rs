@@ -15,11 +15,11 @@
 //!                                          ^                               ^
 //!                                          |                               |
 //! OBJ file -> Mesh -> GuidePass: shade, ID, depth -------------------------+
-//!     Camera, Lights ----^
+//!             Moment ----^
 //! ```
 //!
 //! - [`paint`] takes a strip apart into colours by shade and texture, and puts the two together again; on the host.
-//! - [`scene`] reads a model, places camera and lights, and draws them into the guide: shade, object ID and depth.
+//! - [`scene`] reads a model, places camera, lights and objects, and draws them into the guide: shade, ID and depth.
 //! - [`synthesis`] makes more texture from a sample by quilting, and makes pictures tileable.
 //! - [`technique`] paints, in four ways: it takes guides or a mesh, paints and synthesis, and gives a frame.
 //! - [`metric`] says how good a picture is, and how calm a sequence (thesis chapter 9).

@@ -14,6 +14,7 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
         ("synthesis/quilt_place.comp", quilt::QUILT_PLACE),
         ("synthesis/tile_mask.comp", tile_mask::TILE_MASK),
         ("synthesis/volume_slice.comp", volume::VOLUME_SLICE),
+        ("scene/motion.comp", scene::MOTION),
         ("metric/feature_bins.comp", metric::FEATURE_BINS),
         ("metric/features.comp", metric::FEATURES),
         ("metric/feature_distance.comp", metric::FEATURE_DISTANCE),

@@ -1,7 +1,7 @@
-//! Motion between two cameras, by values worked by hand.
+//! Motion between two moments, by values worked by hand.
 
 use impasto::metric::{Motion, Picture, Shades};
-use impasto::scene::{Camera, GuideOracle, Lights, Mesh, MeshOptions, Moment, Vec3};
+use impasto::scene::{Camera, GuideOracle, Lights, Mesh, MeshOptions, Moment, Pose, Vec3};
 
 const SIDE: u32 = 64;
 
@@ -71,6 +71,35 @@ fn file_gives_the_same(motion: &Motion) {
     assert!(Motion::load(&coarse).expect_err("refused").to_string().contains("coarse.png: is no motion"));
     std::fs::write(&path, "text").expect("written");
     assert!(Motion::load(&path).expect_err("refused").to_string().contains("motion.png"));
+}
+
+#[test]
+fn an_object_that_moves_takes_its_pixels_along() {
+    let mesh = wall_and_board();
+    let still = Moment::at_rest(camera(0.0, &mesh), Lights::default());
+    // The board turns by half about the view axis and goes 0.5 back: each of its points goes to the other side of the
+    // middle, and further in, for it is 3.5 away instead of 3.
+    let pose = Pose::new(180.0, Vec3::Z, Vec3::ZERO, -0.5 * Vec3::Z).expect("a pose");
+    let moved = Moment { poses: vec![Pose::REST, pose], ..still.clone() };
+    let guides = [&still, &moved].map(|m| GuideOracle::render(&mesh, m, SIDE, SIDE).expect("a guide"));
+    let motion = Motion::between([&still, &moved], [&guides[0], &guides[1]]).expect("a motion");
+    let mut seen = 0;
+    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+        let to = motion.pixel(x, y);
+        if guides[0].id[(y * SIDE + x) as usize] == 2 {
+            let across = |at: u32| {
+                let middle = f64::from(SIDE) / 2.0;
+                middle - (f64::from(at) + 0.5 - middle) * 3.0 / 3.5 - 0.5
+            };
+            let (tx, ty) = to.expect("all of it is shown");
+            let off = (f64::from(tx) - across(x)).abs().max((f64::from(ty) - across(y)).abs());
+            assert!(off <= 0.51, "{x}, {y}: {tx}, {ty}");
+            seen += 1;
+        } else {
+            assert!(to.is_none_or(|to| to == (x, y)), "the wall stands");
+        }
+    }
+    assert!(seen > 200, "{seen}");
 }
 
 #[test]
