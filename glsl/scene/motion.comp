@@ -2,8 +2,9 @@
 // Where each pixel's surface was in the previous frame, if that frame showed it (thesis 9.3: coherence in object space).
 // In:  ID and depth now and then; for object i, in columns 3 * (i % 1024) to + 2 and row i / 1024, the rows that take a
 //      place now, (x, y, 1 - depth, 1) of clip space, to x, y and w of clip space then, by the distance now.
-// Out: x in the low and y in the high half of a word, each 32,768 + 64 times the pixels of the way to the place then; 0
-//      where nothing is now, or what is was not shown.
+// Out: x in the low and y in the high half of a word, each 32,768 + 64 times the pixels of the way to the place then.
+//      Where nothing is now, or what is was not shown, the 0 that the image was cleared to stays: on lavapipe a store
+//      costs more than all the arithmetic.
 //
 // Far from the eye depths crowd just below 1, where 1 - depth is exact. Distances along the view axis are linear in it.
 
@@ -40,7 +41,10 @@ void main() {
     }
     vec2 pixel = 2.0 / vec2(size);
     uint id = imageLoad(id_now, p).r;
-    uint object = max(id, 1u) - 1u;
+    if (id == 0u) {
+        return;
+    }
+    uint object = id - 1u;
     vec4 here = place_at(p, texelFetch(depth_now, p, 0).r, pixel);
     ivec2 rows = ivec2(3u * (object & 1023u), object >> 10);
     // The surface's point as the eye had it then: across, down, along; all by its distance now.
@@ -49,7 +53,7 @@ void main() {
     float nearness = dot(push.nearness_now, here);
     vec2 then = (seen.xy / seen.z + 1.0) / pixel - 0.5;
     vec2 nearest = floor(then + 0.5);
-    bool inside = id != 0u && seen.z > push.near * nearness && all(greaterThanEqual(nearest, vec2(0.0))) &&
+    bool inside = seen.z > push.near * nearness && all(greaterThanEqual(nearest, vec2(0.0))) &&
                   all(lessThan(nearest, vec2(size)));
     ivec2 q = inside ? ivec2(nearest) : p;
     // What was shown there, in the same terms.
@@ -59,6 +63,7 @@ void main() {
     bool shown = inside && imageLoad(id_then, q).r == id && dot(apart, apart) <= push.same * push.same;
     vec2 way = floor(64.0 * (then - vec2(p)) + 0.5) + 32768.0;
     bool fits = all(greaterThanEqual(way, vec2(0.0))) && all(lessThanEqual(way, vec2(65535.0)));
-    uvec2 word = shown && fits ? uvec2(way) : uvec2(0u);
-    imageStore(motion, p, uvec4(word.x | word.y << 16));
+    if (shown && fits) {
+        imageStore(motion, p, uvec4(uint(way.x) | uint(way.y) << 16));
+    }
 }

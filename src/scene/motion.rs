@@ -111,14 +111,12 @@ impl MotionPass {
     /// # Errors
     /// [`Error::Parameter`] when a camera has no projection for this picture's shape; nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, previous: Option<&Moment>, now: &Moment) -> Result<()> {
-        match previous {
-            None => recorder.clear_images(MOTION.name, &[&self.motion]),
-            Some(then) => {
-                let [width, height, _] = self.motion.size_px();
-                let frames = Frames::new(then, now, [width, height])?;
-                self.objects.record(recorder, |object| frames.rows(object));
-                recorder.dispatch(&self.stage, &self.set, &frames.push(), [width.div_ceil(16), height.div_ceil(8), 1]);
-            }
+        let [width, height, _] = self.motion.size_px();
+        let frames = previous.map(|then| Frames::new(then, now, [width, height])).transpose()?;
+        recorder.clear_images("motion_clear", &[&self.motion]);
+        if let Some(frames) = frames {
+            self.objects.record(recorder, |object| frames.rows(object));
+            recorder.dispatch(&self.stage, &self.set, &frames.push(), [width.div_ceil(16), height.div_ceil(8), 1]);
         }
         let [id, depth] = [0, 1].map(|i| (&self.now[i], &self.then[i]));
         recorder.copy_images("motion_keep", &[id, depth]);
