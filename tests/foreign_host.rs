@@ -11,7 +11,7 @@ use impasto::gpu::{
     Buffer, BufferKind, Context, HostDevice, Image, ImageDesc, Recorder, ResourceState, Runner, Uploads,
 };
 use impasto::paint::{TextureDifference, Trajectory};
-use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment};
+use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, MotionPass, Pose, Vec3};
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
@@ -273,6 +273,7 @@ type Run<'a> = &'a mut dyn FnMut(&mut dyn FnMut(&mut Recorder<'_>));
 /// The real-time techniques as any device draws them: prepared part by part, then frames.
 struct RealTime {
     guides: GuidePass,
+    motion: MotionPass,
     object: ObjectTechnique,
     aligned: AlignedTechnique,
     dependent: DependentTechnique,
@@ -290,6 +291,7 @@ impl RealTime {
         let quilt = QuiltParams { block_px: 32, overlap_px: 4, ..PARAMS };
         let stages = QuiltStages::new(context).expect("stages");
         let guides = GuidePass::new(context, &mut uploads, mesh, OUTPUT).expect("guides");
+        let motion = MotionPass::new(context, &guides).expect("motion");
         let params = ObjectParams::default();
         let object = ObjectTechnique::new(context, &mut uploads, mesh, OUTPUT, &paints, &[0], &params).expect("object");
         let params = LevelParams { levels: 3, size_px: 64, quilt, ..LevelParams::default() };
@@ -335,18 +337,23 @@ impl RealTime {
         });
         aligned.levels_mut().finish();
         dependent.finish_preparation();
-        RealTime { guides, object, aligned, dependent, moment: Moment::at_rest(camera, Lights::default()) }
+        RealTime { guides, motion, object, aligned, dependent, moment: Moment::at_rest(camera, Lights::default()) }
     }
 
     fn record(&self, recorder: &mut Recorder<'_>) {
-        self.guides.record(recorder, &self.moment).expect("a picture's shape");
+        let turn = Pose::new(3.0, Vec3::Y, Vec3::ZERO, Vec3::ZERO).expect("a pose");
+        let turned = Moment { poses: vec![turn], ..self.moment.clone() };
+        for (previous, now) in [(None, &turned), (Some(&turned), &self.moment)] {
+            self.guides.record(recorder, now).expect("a picture's shape");
+            self.motion.record(recorder, previous, now).expect("a picture's shape");
+        }
         self.object.record(recorder, &self.moment, ShadeRange::default(), Show::Painted).expect("a picture's shape");
         self.aligned.record(recorder, &AlignedFrame::default()).expect("a frame in range");
         self.dependent.record(recorder, &self.moment, Show::Painted).expect("a picture's shape");
     }
 
-    fn frames(&self) -> [&Image; 3] {
-        [self.object.frame(), self.aligned.frame(), self.dependent.frame()]
+    fn frames(&self) -> [&Image; 4] {
+        [self.object.frame(), self.aligned.frame(), self.dependent.frame(), self.motion.motion()]
     }
 }
 
@@ -371,7 +378,9 @@ fn the_real_time_techniques_give_the_same_bytes_and_only_record() {
         })
         .expect("run");
     let expected = own.frames().map(|frame| runner.read_image(frame).expect("a frame"));
-    assert!(expected.iter().all(|frame| frame.chunks(4).filter(|pixel| pixel[3] == 255).count() > 500));
+    let (frames, motion) = (&expected[..3], &expected[3]);
+    assert!(frames.iter().all(|frame| frame.chunks(4).filter(|pixel| pixel[3] == 255).count() > 500));
+    assert!(motion.chunks(4).filter(|word| **word != [0; 4]).count() > 500);
 
     let host = Host::new();
     let context = borrow(host.lent());
