@@ -7,7 +7,7 @@
 
 use impasto::gpu::{Context, ContextOptions, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
+use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment};
 use impasto::synthesis::params::{Layout, QuiltParams};
 use impasto::synthesis::quilt::{Quilt, QuiltStages, SampleTexels};
 use impasto::technique::image::{ImageParams, ImageTechnique};
@@ -202,7 +202,7 @@ fn render(context: &Context, runner: &mut Runner, rounds: usize, model: &Path, s
     let sample = PaintSample::load(strip)?;
     let trajectory = Trajectory::extract(&sample, &TrajectoryOptions::default())?;
     let texture = TextureDifference::extract(&sample, &trajectory);
-    let camera = Camera::framing(&mesh, &Framing::default(), 1.0)?;
+    let moment = Moment::at_rest(Camera::framing(&mesh, &Framing::default(), 1.0)?, Lights::default());
     let mut uploads = Uploads::default();
     let guides = GuidePass::new(context, &mut uploads, &mesh, (1024, 1024))?;
     let stages = QuiltStages::new(context)?;
@@ -223,7 +223,7 @@ fn render(context: &Context, runner: &mut Runner, rounds: usize, model: &Path, s
     );
     runner.take_times();
     let wall = seconds(rounds, || {
-        runner.run(|recorder| guides.record(recorder, &camera, &Lights::default()))?;
+        runner.run(|recorder| guides.record(recorder, &moment))?;
         for part in technique.parts(PART) {
             runner.run(|recorder| {
                 technique.record_part(recorder, &part, 1, 0);

@@ -7,7 +7,7 @@
 
 use impasto::gpu::{Context, ContextOptions, Image, Recorder, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
+use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, MotionPass};
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{AlignedFrame, AlignedTechnique, LevelParams, LevelSource, LevelVolume};
 use impasto::technique::dependent::{default_views, DependentParams, DependentTechnique, ViewCoverage};
@@ -83,8 +83,7 @@ fn main() -> Result {
     let strip = PaintSample::load(root.join("assets/strip_green_yellow.png"))?;
     let trajectory = Trajectory::extract(&strip, &TrajectoryOptions::default())?;
     let texture = TextureDifference::extract(&strip, &trajectory);
-    let camera = Camera::framing(&mesh, &Framing::default(), 1.0)?;
-    let lights = Lights::default();
+    let moment = Moment::at_rest(Camera::framing(&mesh, &Framing::default(), 1.0)?, Lights::default());
     let paints = [Paint { texture: &texture, trajectory: &trajectory }];
     let of_object = vec![0; mesh.objects().len()];
 
@@ -132,7 +131,7 @@ fn main() -> Result {
         &mut uploads,
         &stages,
         &mesh,
-        &lights,
+        &moment.lights,
         &covered,
         512,
         SIZE,
@@ -149,20 +148,24 @@ fn main() -> Result {
     }
     println!("  preparing view-dependent, with the views: {:.3} s", seconds(start));
 
-    frames(&mut runner, rounds, "guide pass alone", None, |recorder| guides.record(recorder, &camera, &lights))?;
+    frames(&mut runner, rounds, "guide pass alone", None, |recorder| guides.record(recorder, &moment))?;
+    let motion = MotionPass::new(&context, &guides)?;
+    frames(&mut runner, rounds, "motion", Some(motion.motion()), |recorder| {
+        motion.record(recorder, Some(&moment), &moment)
+    })?;
     let range = ShadeRange::default();
     frames(&mut runner, rounds, "object-based", Some(object.frame()), |recorder| {
-        object.record(recorder, &camera, &lights, range, Show::Painted)
+        object.record(recorder, &moment, range, Show::Painted)
     })?;
     frames(&mut runner, rounds, "object-based, lost", Some(lose.frame()), |recorder| {
-        lose.record(recorder, &camera, &lights, range, Show::Painted)
+        lose.record(recorder, &moment, range, Show::Painted)
     })?;
     frames(&mut runner, rounds, "view-aligned, guided", Some(aligned.frame()), |recorder| {
-        guides.record(recorder, &camera, &lights)?;
+        guides.record(recorder, &moment)?;
         aligned.record(recorder, &AlignedFrame::default())
     })?;
     frames(&mut runner, rounds, "view-dependent", Some(dependent.frame()), |recorder| {
-        dependent.record(recorder, &camera, &lights, Show::Painted)
+        dependent.record(recorder, &moment, Show::Painted)
     })?;
 
     // The alternative: the frame synthesised anew.

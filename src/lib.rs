@@ -15,11 +15,11 @@
 //!                                          ^                               ^
 //!                                          |                               |
 //! OBJ file -> Mesh -> GuidePass: shade, ID, depth -------------------------+
-//!     Camera, Lights ----^
+//!             Moment ----^
 //! ```
 //!
 //! - [`paint`] takes a strip apart into colours by shade and texture, and puts the two together again; on the host.
-//! - [`scene`] reads a model, places camera and lights, and draws them into the guide: shade, object ID and depth.
+//! - [`scene`] reads a model, places camera, lights and objects, and draws them into the guide: shade, ID and depth.
 //! - [`synthesis`] makes more texture from a sample by quilting, and makes pictures tileable.
 //! - [`technique`] paints, in four ways: it takes guides or a mesh, paints and synthesis, and gives a frame.
 //! - [`metric`] says how good a picture is, and how calm a sequence (thesis chapter 9).
@@ -44,7 +44,7 @@
 //! ```no_run
 //! use impasto::gpu::{Context, ContextOptions, Runner, Uploads};
 //! use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-//! use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
+//! use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment};
 //! use impasto::synthesis::quilt::QuiltStages;
 //! use impasto::technique::image::{ImageParams, ImageTechnique};
 //! use impasto::technique::Paint;
@@ -54,7 +54,7 @@
 //! let trajectory = Trajectory::extract(&strip, &TrajectoryOptions::default())?;
 //! let texture = TextureDifference::extract(&strip, &trajectory);
 //! let mesh = Mesh::load("model.obj", &MeshOptions::default())?.mesh;
-//! let camera = Camera::framing(&mesh, &Framing::default(), 1.0)?;
+//! let moment = Moment::at_rest(Camera::framing(&mesh, &Framing::default(), 1.0)?, Lights::default());
 //!
 //! let context = Context::new(&ContextOptions::default())?;
 //! let mut uploads = Uploads::default();
@@ -68,7 +68,7 @@
 //! let mut runner = Runner::new(&context)?;
 //! runner.run(|recorder| {
 //!     uploads.record(recorder);
-//!     guides.record(recorder, &camera, &Lights::default())?;
+//!     guides.record(recorder, &moment)?;
 //!     technique.record(recorder, params.quilt.seed, 0);
 //!     Ok(())
 //! })?;

@@ -11,7 +11,7 @@ use impasto::gpu::{
     Buffer, BufferKind, Context, HostDevice, Image, ImageDesc, Recorder, ResourceState, Runner, Uploads,
 };
 use impasto::paint::{TextureDifference, Trajectory};
-use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions};
+use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, MotionPass, Pose, Vec3};
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
@@ -161,11 +161,11 @@ fn a_foreign_host_guides_with_an_image_of_its_own() {
 }
 
 /// What is recorded for a frame of guides: shade and object of each pixel.
-fn guide_pass(context: &Context, uploads: &mut Uploads) -> (GuidePass, Camera) {
+fn guide_pass(context: &Context, uploads: &mut Uploads) -> (GuidePass, Moment) {
     let asset = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/head.obj");
     let mesh = Mesh::load(asset, &MeshOptions::default()).expect("a mesh").mesh;
     let camera = Camera::framing(&mesh, &Framing::default(), 9.0 / 7.0).expect("a camera");
-    (GuidePass::new(context, uploads, &mesh, OUTPUT).expect("a guide pass"), camera)
+    (GuidePass::new(context, uploads, &mesh, OUTPUT).expect("a guide pass"), Moment::at_rest(camera, Lights::default()))
 }
 
 #[test]
@@ -173,11 +173,11 @@ fn a_foreign_host_draws_the_same_guides() {
     let host = Host::new();
     let gpu = Validated::new();
     let mut uploads = Uploads::default();
-    let (pass, camera) = guide_pass(&gpu.context, &mut uploads);
+    let (pass, moment) = guide_pass(&gpu.context, &mut uploads);
     let mut runner = gpu.runner();
     let drawn = runner.run(|recorder| {
         uploads.record(recorder);
-        pass.record(recorder, &camera, &Lights::default())
+        pass.record(recorder, &moment)
     });
     drawn.expect("run");
     let mut expected = |image: &Image| runner.read_image(image).expect("an image");
@@ -186,11 +186,11 @@ fn a_foreign_host_draws_the_same_guides() {
     for device in [host.lent(), host.lent_raw()] {
         let context = borrow(device);
         let mut uploads = Uploads::default();
-        let (pass, camera) = guide_pass(&context, &mut uploads);
+        let (pass, moment) = guide_pass(&context, &mut uploads);
         host.run(|commands| {
             let mut recorder = recorder(&context, commands);
             uploads.record(&mut recorder);
-            pass.record(&mut recorder, &camera, &Lights::default()).expect("a picture's shape");
+            pass.record(&mut recorder, &moment).expect("a picture's shape");
         });
         for (image, expected) in [pass.shade(), pass.id()].into_iter().zip(&expected) {
             assert!(&host.read_image(image.handle(), image.layout(), OUTPUT) == expected);
@@ -216,7 +216,7 @@ fn recording_a_frame_only_records() {
     let mut uploads = Uploads::default();
     calls::take();
     let quilt = quilting(&context, &mut uploads, None);
-    let (pass, camera) = guide_pass(&context, &mut uploads);
+    let (pass, moment) = guide_pass(&context, &mut uploads);
     // Preparing does allocate and compile, and the counting sees it; it does not submit or wait.
     let prepared = calls::take();
     for name in [
@@ -251,7 +251,7 @@ fn recording_a_frame_only_records() {
         host.begin_again(commands);
         calls::take();
         let mut recorder = recorder(&context, commands);
-        pass.record(&mut recorder, &camera, &Lights::default()).expect("a picture's shape");
+        pass.record(&mut recorder, &moment).expect("a picture's shape");
         quilt.record(&mut recorder, PARAMS.seed, frame);
         context.advance(u64::from(frame) + 2, u64::from(frame));
         let recorded = calls::take();
@@ -278,10 +278,11 @@ type Run<'a> = &'a mut dyn FnMut(&mut dyn FnMut(&mut Recorder<'_>));
 /// The real-time techniques as any device draws them: prepared part by part, then frames.
 struct RealTime {
     guides: GuidePass,
+    motion: MotionPass,
     object: ObjectTechnique,
     aligned: AlignedTechnique,
     dependent: DependentTechnique,
-    camera: Camera,
+    moment: Moment,
 }
 
 impl RealTime {
@@ -295,6 +296,7 @@ impl RealTime {
         let quilt = QuiltParams { block_px: 32, overlap_px: 4, ..PARAMS };
         let stages = QuiltStages::new(context).expect("stages");
         let guides = GuidePass::new(context, &mut uploads, mesh, OUTPUT).expect("guides");
+        let motion = MotionPass::new(context, &guides).expect("motion");
         let params = ObjectParams::default();
         let object = ObjectTechnique::new(context, &mut uploads, mesh, OUTPUT, &paints, &[0], &params).expect("object");
         let params = LevelParams { levels: 3, size_px: 64, quilt, ..LevelParams::default() };
@@ -340,19 +342,23 @@ impl RealTime {
         });
         aligned.levels_mut().finish();
         dependent.finish_preparation();
-        RealTime { guides, object, aligned, dependent, camera }
+        RealTime { guides, motion, object, aligned, dependent, moment: Moment::at_rest(camera, Lights::default()) }
     }
 
     fn record(&self, recorder: &mut Recorder<'_>) {
-        let (camera, lights) = (&self.camera, Lights::default());
-        self.guides.record(recorder, camera, &lights).expect("a picture's shape");
-        self.object.record(recorder, camera, &lights, ShadeRange::default(), Show::Painted).expect("a picture's shape");
+        let turn = Pose::new(3.0, Vec3::Y, Vec3::ZERO, Vec3::ZERO).expect("a pose");
+        let turned = Moment { poses: vec![turn], ..self.moment.clone() };
+        for (previous, now) in [(None, &turned), (Some(&turned), &self.moment)] {
+            self.guides.record(recorder, now).expect("a picture's shape");
+            self.motion.record(recorder, previous, now).expect("a picture's shape");
+        }
+        self.object.record(recorder, &self.moment, ShadeRange::default(), Show::Painted).expect("a picture's shape");
         self.aligned.record(recorder, &AlignedFrame::default()).expect("a frame in range");
-        self.dependent.record(recorder, camera, &lights, Show::Painted).expect("a picture's shape");
+        self.dependent.record(recorder, &self.moment, Show::Painted).expect("a picture's shape");
     }
 
-    fn frames(&self) -> [&Image; 3] {
-        [self.object.frame(), self.aligned.frame(), self.dependent.frame()]
+    fn frames(&self) -> [&Image; 4] {
+        [self.object.frame(), self.aligned.frame(), self.dependent.frame(), self.motion.motion()]
     }
 }
 
@@ -377,7 +383,9 @@ fn the_real_time_techniques_give_the_same_bytes_and_only_record() {
         })
         .expect("run");
     let expected = own.frames().map(|frame| runner.read_image(frame).expect("a frame"));
-    assert!(expected.iter().all(|frame| frame.chunks(4).filter(|pixel| pixel[3] == 255).count() > 500));
+    let (frames, motion) = (&expected[..3], &expected[3]);
+    assert!(frames.iter().all(|frame| frame.chunks(4).filter(|pixel| pixel[3] == 255).count() > 500));
+    assert!(motion.chunks(4).filter(|word| **word != [0; 4]).count() > 500);
 
     let host = Host::new();
     let context = borrow(host.lent());

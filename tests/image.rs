@@ -5,7 +5,7 @@ mod common;
 use common::{data_dir, noise, Validated};
 use impasto::gpu::{Runner, Uploads};
 use impasto::paint::{ColorStop, PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-use impasto::scene::{Camera, Framing, Guide, GuideOracle, GuidePass, Lights, Mesh, MeshOptions};
+use impasto::scene::{Camera, Framing, Guide, GuideOracle, GuidePass, Lights, Mesh, MeshOptions, Moment, Pose, Vec3};
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
@@ -43,13 +43,13 @@ fn words(bytes: &[u8]) -> Vec<u32> {
 }
 
 /// Draws the guides on the GPU.
-fn guides(gpu: &Validated, runner: &mut Runner, mesh: &Mesh, camera: &Camera, size: (u32, u32)) -> (GuidePass, Guide) {
+fn guides(gpu: &Validated, runner: &mut Runner, mesh: &Mesh, moment: &Moment, size: (u32, u32)) -> (GuidePass, Guide) {
     let mut uploads = Uploads::default();
     let pass = GuidePass::new(&gpu.context, &mut uploads, mesh, size).expect("a guide pass");
     runner
         .run(|recorder| {
             uploads.record(recorder);
-            pass.record(recorder, camera, &Lights::default())
+            pass.record(recorder, moment)
         })
         .expect("run");
     let guide = Guide {
@@ -60,6 +60,16 @@ fn guides(gpu: &Validated, runner: &mut Runner, mesh: &Mesh, camera: &Camera, si
         depth: floats(&runner.read_image(pass.depth()).expect("depth")),
     };
     (pass, guide)
+}
+
+/// Every object but the last turned and moved in a way of its own.
+fn poses(mesh: &Mesh) -> Vec<Pose> {
+    let sphere = mesh.bounding_sphere();
+    let pose = |i: usize| {
+        let (i, step) = (i as f32, 0.1 * sphere.radius);
+        Pose::new(40.0 + 25.0 * i, Vec3::new(0.3, 1.0, 0.2 * i), sphere.center, step * Vec3::new(1.0 - i, 0.5, i))
+    };
+    (0..mesh.objects().len().max(2) - 1).map(|i| pose(i).expect("a pose")).collect()
 }
 
 /// The share of pixels whose object differs, and the largest differences of shade and depth where it does not.
@@ -90,16 +100,21 @@ fn guide_pass_equals_the_oracle() {
         let mesh = load(model);
         let aspect = size.0 as f32 / size.1 as f32;
         let camera = Camera::framing(&mesh, &Framing::default(), aspect).expect("a camera");
-        let (_, got) = guides(&gpu, &mut runner, &mesh, &camera, size);
-        let want = GuideOracle::render(&mesh, &camera, &Lights::default(), size.0, size.1).expect("oracle");
-        let (other, shade, depth) = compare(&got, &want);
-        eprintln!("{size:?}: {other:.5} other objects, shade {shade:.5}, depth {depth:.6}");
-        assert!(other < 0.001, "{other} of the pixels show another object");
-        assert!(shade < 0.002, "shade differs by {shade}");
-        assert!(depth < 0.002, "depth differs by {depth}");
-        // The comparison itself must notice a wrong light.
-        let wrong = Guide { shade: got.shade.iter().map(|s| 1.0 - s).collect(), ..got };
-        assert!(compare(&wrong, &want).1 > 0.1);
+        let at_rest = Moment::at_rest(camera, Lights::default());
+        let apart = Moment { poses: poses(&mesh), ..at_rest.clone() }.fit_depth(&mesh);
+        let wanted = [&at_rest, &apart].map(|m| GuideOracle::render(&mesh, m, size.0, size.1).expect("oracle"));
+        assert!(compare(&wanted[0], &wanted[1]).0 > 0.01, "the objects have moved");
+        for (moment, want) in [at_rest, apart].iter().zip(&wanted) {
+            let (_, got) = guides(&gpu, &mut runner, &mesh, moment, size);
+            let (other, shade, depth) = compare(&got, want);
+            eprintln!("{size:?}: {other:.5} other objects, shade {shade:.5}, depth {depth:.6}");
+            assert!(other < 0.001, "{other} of the pixels show another object");
+            assert!(shade < 0.002, "shade differs by {shade}");
+            assert!(depth < 0.002, "depth differs by {depth}");
+            // The comparison itself must notice a wrong light.
+            let wrong = Guide { shade: got.shade.iter().map(|s| 1.0 - s).collect(), ..got };
+            assert!(compare(&wrong, want).1 > 0.1);
+        }
     }
 }
 
@@ -125,7 +140,7 @@ fn pictures_equal_the_golden_ones() {
     for model in ["head", "teapot_on_table"] {
         let mesh = load(&builtin(&format!("{model}.obj")));
         let camera = Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera");
-        let (pass, guide) = guides(&gpu, &mut runner, &mesh, &camera, size);
+        let (pass, guide) = guides(&gpu, &mut runner, &mesh, &Moment::at_rest(camera, Lights::default()), size);
         let shade: Vec<[u8; 4]> = guide
             .shade
             .iter()
@@ -169,7 +184,8 @@ fn normals_that_cancel_face_no_light() {
     let quad = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0 0 1\nvn 0 0 -1\nf 1//1 2//2 3//2 4//1\n";
     let mesh = load(quad.as_bytes());
     let camera = Camera::framing(&mesh, &Framing { yaw_deg: 0.0, pitch_deg: 0.0, ..Default::default() }, 1.0);
-    let (_, guide) = guides(&gpu, &mut runner, &mesh, &camera.expect("a camera"), (65, 65));
+    let (_, guide) =
+        guides(&gpu, &mut runner, &mesh, &Moment::at_rest(camera.expect("a camera"), Lights::default()), (65, 65));
     assert!(guide.shade.iter().all(|shade| (0.0..=1.0).contains(shade)), "a shade is out of range");
     let middle = guide.shade[32 * 65 + 32];
     assert!((middle - 0.5).abs() < 0.2, "the middle's shade is {middle}");
@@ -181,7 +197,7 @@ fn wrong_use_is_told() {
     let mut runner = gpu.runner();
     let mesh = load(BOXES.as_bytes());
     let camera = Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera");
-    let (pass, _) = guides(&gpu, &mut runner, &mesh, &camera, (40, 40));
+    let (pass, _) = guides(&gpu, &mut runner, &mesh, &Moment::at_rest(camera, Lights::default()), (40, 40));
     let (texture, trajectory) = strip("strip_dark_red.png");
     let paint = Paint { texture: &texture, trajectory: &trajectory };
     let stages = QuiltStages::new(&gpu.context).expect("stages");
@@ -215,7 +231,7 @@ fn a_failed_recording_leaves_resources_as_they_remember() {
         Err(impasto::Error::parameter("test", 1, "2"))
     });
     assert!(failed.is_err());
-    runner.run(|recorder| pass.record(recorder, &camera, &Lights::default())).expect("run");
+    runner.run(|recorder| pass.record(recorder, &Moment::at_rest(camera, Lights::default()))).expect("run");
     let ids = words(&runner.read_image(pass.id()).expect("id"));
     assert!(ids.iter().filter(|&&id| id == 1).count() > 100, "the uploaded mesh is there");
 }
@@ -280,7 +296,7 @@ fn image_technique_equals_the_oracle() {
     let mesh = load(&builtin("teapot_on_table.obj"));
     let size = (200, 150);
     let camera = Camera::framing(&mesh, &Framing::default(), 200.0 / 150.0).expect("a camera");
-    let (pass, guide) = guides(&gpu, &mut runner, &mesh, &camera, size);
+    let (pass, guide) = guides(&gpu, &mut runner, &mesh, &Moment::at_rest(camera, Lights::default()), size);
     let strips = [strip("strip_green_yellow.png"), strip("strip_dark_red.png")];
     let paints: Vec<Paint<'_>> = strips.iter().map(|(texture, trajectory)| Paint { texture, trajectory }).collect();
     for levels in [false, true] {
@@ -365,7 +381,7 @@ fn real_models_and_paint_give_the_oracles_frame() {
         let paints = [Paint { texture: &texture, trajectory: &trajectory }];
         let size = (128, 128);
         let camera = Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera");
-        let (pass, guide) = guides(&gpu, &mut runner, &mesh, &camera, size);
+        let (pass, guide) = guides(&gpu, &mut runner, &mesh, &Moment::at_rest(camera, Lights::default()), size);
         let params = ImageParams::default();
         let mut uploads = Uploads::default();
         let stages = QuiltStages::new(&gpu.context).expect("stages");

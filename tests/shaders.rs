@@ -177,7 +177,7 @@ fn expected(binding: u32, kind: BindingKind) -> Resource {
     let (non_writable, non_readable) = match access {
         Access::ComputeRead | Access::FragmentRead => (class != "uniform buffer", false),
         // A sampler only ever reads.
-        Access::FragmentSampled => (false, false),
+        Access::FragmentSampled | Access::ComputeSampled => (false, false),
         Access::ComputeWrite => (false, true),
         Access::ComputeReadWrite => (false, false),
         other => panic!("a shader's binding declares {other:?}"),

@@ -2,7 +2,8 @@
 // View-dependent interpolation, second pass (thesis chapter 8): texture from the slices of the views that show the
 // face, each at the place where its view shows the point; colour by shade.
 // In:  shade, set of slices and distance of each pixel's surface, the blend of every set, the rows x, y and w of each
-//      slice's projection, the slices, the paints' colours.
+//      slice's projection, the slices, the paints' colours, for each object the rows that take world space to the
+//      mesh's.
 // Out: frame, straight alpha, background 0.
 #extension GL_GOOGLE_include_directive : require
 #include "paint.glsl"
@@ -14,6 +15,7 @@ layout(binding = 3, rgba32ui) uniform readonly uimage2D blends;
 layout(binding = 4, rgba32f) uniform readonly image2D projections;
 layout(binding = 5) uniform sampler3D volume;
 layout(binding = 6, r32ui) uniform readonly uimage2D colors;
+layout(binding = 7, rgba32f) uniform readonly image2D objects;
 
 layout(push_constant) uniform Push {
     // The surface of pixel (x, y) at distance d along the view axis is eye + d * (corner + x * across + y * down).
@@ -46,7 +48,12 @@ void main() {
     uvec4 blend = imageLoad(blends, ivec2(s & 1023u, s >> 10));
     vec4 weight = vec4(unpackUnorm2x16(blend.x), unpackUnorm2x16(blend.y));
     vec3 ray = push.corner.xyz + gl_FragCoord.x * push.across.xyz + gl_FragCoord.y * push.down.xyz;
-    vec4 position = vec4(push.eye.xyz + imageLoad(along, p).r * ray, 1.0);
+    vec4 world = vec4(push.eye.xyz + imageLoad(along, p).r * ray, 1.0);
+    uint object = blend.w >> 16;
+    ivec2 rows = ivec2(4u * (object & 1023u), object >> 10);
+    vec4 position = vec4(dot(imageLoad(objects, rows), world),
+                         dot(imageLoad(objects, rows + ivec2(1, 0)), world),
+                         dot(imageLoad(objects, rows + ivec2(2, 0)), world), 1.0);
     // A slice counts for less towards the faces that it does not show, and for nearly nothing where it ends.
     vec4 blended = vec4(0.0);
     float squares = 0.0;
@@ -63,5 +70,5 @@ void main() {
         difference *= contrast_kept(squares / (blended.w * blended.w));
     }
     float tone = tone_of(imageLoad(shade, p).r, push.range);
-    frame = shown(unpackUnorm4x8(imageLoad(colors, color_place(tone, blend.w)).r).rgb, difference, push.show);
+    frame = shown(unpackUnorm4x8(imageLoad(colors, color_place(tone, blend.w & 65535u)).r).rgb, difference, push.show);
 }

@@ -1,19 +1,21 @@
 #version 450
 // View-dependent interpolation: how much of which slices each set of slices takes, seen from this frame's direction
 // (thesis chapter 8; weights after Buehler et al. 2001). One invocation a set.
-// In:  where each set's slices begin, with the set's paint; the slices of every set; the direction of every slice.
-// Out: for set i in column i % 1024 and row i / 1024: four weights of 16 bits, the four slices of 8 bits, the paint.
+// In:  where each set's slices begin, with the set's paint and object; the slices of every set; the direction of every
+//      slice; for object i in column 4 * (i % 1024) + 3 and row i / 1024 where it is seen from.
+// Out: for set i in column i % 1024 and row i / 1024: four weights of 16 bits, the four slices of 8 bits, the paint in
+//      16 bits and the object in 16.
 
 layout(local_size_x = 64) in;
 
 layout(binding = 0, std430) readonly buffer Sets { uvec2 sets[]; };
 layout(binding = 1, std430) readonly buffer Slices { uint slices[]; };
 layout(binding = 2, std430) readonly buffer Directions { vec4 directions[]; };
-layout(binding = 3, rgba32ui) uniform writeonly uimage2D blends;
+// Unit vectors from the middle of the model, as the object has it, towards the eye.
+layout(binding = 3, rgba32f) uniform readonly image2D objects;
+layout(binding = 4, rgba32ui) uniform writeonly uimage2D blends;
 
 layout(push_constant) uniform Push {
-    // From the middle of the model towards the eye, unit length.
-    vec4 direction;
     uint sets;
 } push;
 
@@ -22,6 +24,8 @@ void main() {
     if (set >= push.sets) {
         return;
     }
+    uint object = sets[set].y >> 16;
+    vec3 direction = imageLoad(objects, ivec2(4u * (object & 1023u) + 3u, object >> 10)).xyz;
     // The five nearest, by insertion; of equally near ones the first of the set stays first. The last one gives the
     // threshold; where there is none it lies beyond the largest distance, 2.
     float distance[5] = float[](2.5, 2.5, 2.5, 2.5, 2.5);
@@ -29,7 +33,7 @@ void main() {
     uint end = sets[set + 1].x;
     for (uint i = sets[set].x; i < end; i++) {
         uint slice = slices[i];
-        vec3 apart = directions[slice].xyz - push.direction.xyz;
+        vec3 apart = directions[slice].xyz - direction;
         // 1 - the cosine of the angle between the two, exact for small angles as well.
         float a = 0.5 * dot(apart, apart);
         bool placed = false;

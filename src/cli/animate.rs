@@ -1,17 +1,20 @@
 //! `impasto animate`: frame after frame, to numbered pictures, a film, an animated PNG or an animated GIF.
 //!
-//! A frame depends on nothing but its number, so that a run may be cut into parts that other machines make, and go on
-//! where it was interrupted. While the device works on a frame, other threads encode and write those before it.
+//! A frame depends on those since the last keyframe and on nothing else: the first frame, a cut, or every N-th frame
+//! (`--keyframes`). A run may be cut into parts that other machines make, and go on where it was interrupted: what a
+//! frame takes over from those before it is gone through again, from the last keyframe on. While the device works on a frame, other threads encode and write those before it.
 
 use super::failure::{Failure, Result};
 use super::film::{Sink, Target};
 use super::frames::Frames;
+use super::image_frames::{CoherenceFlags, NextFrame};
 use super::meter::quantile;
 use super::motion::MotionFlags;
 use super::painter::{Painter, Scene};
 use super::picture::over;
 use super::session::Session;
 use super::shot::{LookFlags, ShotFlags};
+use super::techniques::{Technique, TechniqueName};
 use clap::Args;
 use impasto::technique::Show;
 use serde_json::json;
@@ -38,11 +41,17 @@ pub struct AnimateArgs {
     /// Leave out the numbered pictures that are there already
     #[arg(long)]
     resume: bool,
-    /// Leave the texture of view-aligned projection still in the picture, instead of letting it follow the model
+    /// Let every frame stand for itself: texture does not follow the model
     #[arg(long)]
     still: bool,
+    /// Begin anew every N frames, as at a cut, so that parts of a run need not go through all frames before them
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000),
+          allow_negative_numbers = true)]
+    keyframes: Option<u32>,
     #[command(flatten)]
     motion: MotionFlags,
+    #[command(flatten)]
+    coherence: CoherenceFlags,
     #[command(flatten)]
     look: LookFlags,
     #[command(flatten)]
@@ -56,14 +65,23 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
         return Err(Failure::file(&args.output, "--resume and --shard are for numbered pictures, like DIR/%04d.png"));
     }
     let shot = args.shot.load(&[args.look.technique], session)?;
-    let chosen = args.shot.choose(args.look.technique, &shot)?;
+    let mut chosen = args.shot.choose(args.look.technique, &shot)?;
+    if args.look.technique == TechniqueName::Image && !args.still {
+        chosen.technique = Technique::Image(args.coherence.continuity(args.shot.quilting.block, session)?);
+    }
     let motion = args.motion.load(&shot, args.shot.view.axis(), args.frames, session)?;
     // The range of shade is that of the first frame of all, whatever part of them this is.
     let first = motion.at(args.frames.first, &shot.mesh)?;
     session.parameter("frames", args.frames.to_string());
     session.parameter("still", args.still);
+    session.parameter("keyframes", args.keyframes);
     let background = args.look.background;
     session.parameter("background", background.map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")));
+    // Frames that have nothing to do with those before them.
+    let is_fresh = |number: u32| {
+        let every = args.keyframes.is_some_and(|every| (number - args.frames.first) % every == 0);
+        args.still || number == args.frames.first || every || motion.is_cut(number)
+    };
     // What makes the frames what they are; how they are shared out does not.
     let made_by = session.parameters_json();
     target.check(args.resume.then_some(&made_by))?;
@@ -85,26 +103,27 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.shot.size)?;
     session.phase("setup");
-    let scene = Scene { mesh: &shot.mesh, camera: first.camera, lights: first.lights, size: args.shot.size };
+    let scene = Scene { mesh: &shot.mesh, moment: first, size: args.shot.size };
     let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &chosen)?;
     session.phase("prepare");
 
     let mut sink = Sink::open(&target, args.shot.size, numbers.len(), &made_by)?;
     let progress = session.frames("animating", numbers.len());
     let mut times = Vec::with_capacity(numbers.len());
-    let mut reached = args.frames.first;
-    let mut camera = scene.camera;
+    let at = |number: u32| motion.at(number, &shot.mesh);
+    let mut reached = None;
     for &number in &numbers {
         let started = Instant::now();
-        // From the very first frame on, so that every part of a run comes to the same.
-        while !args.still && reached < number {
-            reached += 1;
-            let next = motion.at(reached, &shot.mesh)?.camera;
-            painter.follow(&camera, &next)?;
-            camera = next;
+        // From the last frame that stands for itself, so that every part of a run comes to the same.
+        let key = (args.frames.first..=number).rev().find(|&number| is_fresh(number)).unwrap_or(number);
+        let from = if painter.has_memory() { reached.map_or(key, |last: u32| key.max(last + 1)) } else { number };
+        for step in from..=number {
+            let moment = at(step)?;
+            let next =
+                NextFrame { moment: &moment, number: step, fresh: is_fresh(step), shown: step == number, at: &at };
+            painter.advance(None, &mut device, &next)?;
         }
-        let moment = motion.at(number, &shot.mesh)?;
-        painter.draw(None, &mut device, (moment.camera, moment.lights), number)?;
+        reached = Some(number);
         let frame = painter.frame(&mut device, Show::Painted)?;
         sink.write(number, if let Some(color) = background { over(frame, color) } else { frame })?;
         times.push(started.elapsed().as_secs_f64());

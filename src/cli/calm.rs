@@ -9,16 +9,17 @@
 
 use super::compare::TECHNIQUES;
 use super::failure::{Failure, Result};
+use super::frames::Frames;
+use super::image_frames::{CoherenceFlags, Continuity, NextFrame};
 use super::meter::{check_room, frame_picture, quantile, sample_picture, Figures, Meter, SearchFlags, Seen, TestFlags};
-use super::motion::{Frames, MotionFlags};
+use super::motion::MotionFlags;
 use super::painter::{Painter, Scene};
 use super::session::{Device, Session};
 use super::shot::{Shot, ShotFlags};
 use super::table::{Cell, Table};
-use super::techniques::TechniqueName;
+use super::techniques::{Technique, TechniqueName};
 use clap::Args;
 use impasto::metric::{frame_difference, sharpness, similarity, stroke_size, Motion, Picture, Score};
-use impasto::scene::{Camera, Lights};
 use impasto::technique::Show;
 use serde_json::{json, Value};
 use std::path::PathBuf;
@@ -28,18 +29,35 @@ use std::time::Instant;
 struct Way {
     name: &'static str,
     technique: TechniqueName,
-    /// Whether what lies in the plane of the picture follows the model.
+    /// Whether texture follows the model, where the technique can do that.
     follows: bool,
+    /// How image-based frames keep to the one before, if those are they.
+    image: fn(&CoherenceFlags) -> Continuity,
 }
 
 /// All of them.
-const WAYS: [Way; 5] = [
-    Way { name: "object", technique: TechniqueName::Object, follows: true },
-    Way { name: ANEW, technique: TechniqueName::Image, follows: true },
-    Way { name: "aligned following", technique: TechniqueName::Aligned, follows: true },
-    Way { name: "aligned still", technique: TechniqueName::Aligned, follows: false },
-    Way { name: "dependent", technique: TechniqueName::Dependent, follows: true },
+const WAYS: [Way; 9] = [
+    Way::new("object", TechniqueName::Object),
+    Way::image(ANEW, |_| Continuity::Anew),
+    Way::image("image match", |flags| flags.matching(1)),
+    Way::image("image match, blend 4", |flags| flags.matching(4)),
+    Way::image("image carry", CoherenceFlags::carrying),
+    Way::new("aligned following", TechniqueName::Aligned),
+    Way { follows: false, ..Way::new("aligned still", TechniqueName::Aligned) },
+    Way::new("dependent", TechniqueName::Dependent),
+    Way { follows: false, ..Way::new("dependent, chosen anew", TechniqueName::Dependent) },
 ];
+
+impl Way {
+    const fn new(name: &'static str, technique: TechniqueName) -> Self {
+        Way { name, technique, follows: true, image: |_| Continuity::Anew }
+    }
+
+    const fn image(name: &'static str, image: fn(&CoherenceFlags) -> Continuity) -> Self {
+        Way { image, ..Way::new(name, TechniqueName::Image) }
+    }
+}
+
 /// The way without any coherence, synthesised for every frame alone: what the others are compared with.
 const ANEW: &str = "image anew";
 
@@ -69,15 +87,14 @@ pub struct CalmArgs {
     #[command(flatten)]
     motion: MotionFlags,
     #[command(flatten)]
+    coherence: CoherenceFlags,
+    #[command(flatten)]
     test: TestFlags,
     #[command(flatten)]
     search: SearchFlags,
     #[command(flatten)]
     shot: ShotFlags,
 }
-
-/// Camera and lights of a frame.
-type View = (Camera, Lights);
 
 /// A way at work, and what was measured of it so far.
 struct Row<'a> {
@@ -99,8 +116,8 @@ pub fn run(args: &CalmArgs, session: &mut Session) -> Result {
     }
     let shot = args.shot.load(&TECHNIQUES, session)?;
     let sample = args.sample(&shot, session)?;
-    let motion = args.motion.load(shot.camera, args.shot.view.axis(), shot.lights.clone(), session)?;
-    let view = |number: u32| motion.at(number, &shot.mesh);
+    let motion = args.motion.load(&shot, args.shot.view.axis(), args.frames, session)?;
+    let at = |number: u32| motion.at(number, &shot.mesh);
     session.parameter("measure", "calm");
     session.parameter("technique", WAYS.map(|way| way.name).to_vec());
     session.parameter("frames", args.frames.to_string());
@@ -111,30 +128,34 @@ pub fn run(args: &CalmArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.shot.size)?;
     session.phase("setup");
-    let (camera, lights) = view(args.frames.first)?;
-    let scene = Scene { mesh: &shot.mesh, camera, lights, size: args.shot.size };
+    let scene = Scene { mesh: &shot.mesh, moment: at(args.frames.first)?, size: args.shot.size };
     let mut rows = Vec::with_capacity(WAYS.len());
     for way in &WAYS {
-        let chosen = args.shot.choose(way.technique, &shot)?;
+        let mut chosen = args.shot.choose(way.technique, &shot)?;
+        if let Technique::Image(continuity) = &mut chosen.technique {
+            *continuity = (way.image)(&args.coherence);
+        }
         rows.push(Row::new(way, Painter::new(session, &mut device, &scene, &shot.paints, &chosen)?));
     }
     session.phase("prepare");
 
     let progress = session.frames("painting", args.frames.count() as usize * rows.len());
-    let mut before: Option<(View, Seen)> = None;
+    let mut before: Option<Seen> = None;
     for number in args.frames.first..=args.frames.last {
-        let view = view(number)?;
-        let seen = Seen::new(&shot.mesh, &view, args.shot.size)?;
-        let motion = before.as_ref().map(|(_, before)| before.motion_to(&seen)).transpose()?;
+        let moment = at(number)?;
+        let seen = Seen::new(&shot.mesh, &moment, args.shot.size)?;
+        let motion = before.as_ref().map(|before| before.motion_to(&seen)).transpose()?;
         for row in &mut rows {
-            let frame = row.draw(&mut device, before.as_ref().map(|(view, _)| view), &view, number)?;
+            let fresh = number == args.frames.first || !row.way.follows;
+            let next = NextFrame { moment: &moment, number, fresh, shown: true, at: &at };
+            let frame = row.draw(&mut device, &next)?;
             row.take(frame, motion.as_ref())?;
             if number == args.frames.first || number == args.frames.last {
                 row.look_at_texture(seen.objects(), &mut device)?;
             }
             progress.step();
         }
-        before = Some((view, seen));
+        before = Some(seen);
     }
     drop(progress);
     session.phase("paint");
@@ -175,12 +196,9 @@ impl<'a> Row<'a> {
     }
 
     /// Goes on to the next frame, and takes its time.
-    fn draw(&mut self, device: &mut Device, before: Option<&View>, view: &View, number: u32) -> Result<Picture> {
+    fn draw(&mut self, device: &mut Device, next: &NextFrame<'_>) -> Result<Picture> {
         let started = Instant::now();
-        if let (true, Some(before)) = (self.way.follows, before) {
-            self.painter.follow(&before.0, &view.0)?;
-        }
-        self.painter.draw(None, device, view.clone(), number)?;
+        self.painter.advance(None, device, next)?;
         let frame = self.painter.frame(device, Show::Painted)?;
         self.seconds.push(started.elapsed().as_secs_f64());
         frame_picture(&frame)

@@ -5,6 +5,7 @@ use super::compare_page::{self, Report};
 use super::error_map::ErrorMap;
 use super::failure::{Failure, Result};
 use super::files::{check_folder, Outputs};
+use super::image_frames::NextFrame;
 use super::measure::shading_figures;
 use super::meter::{
     check_room, frame_picture, sample_picture, Figures, Grid, Meter, Pair, SearchFlags, Seen, Strip as Source,
@@ -23,7 +24,7 @@ use super::view::ViewFlags;
 use clap::Args;
 use impasto::metric::{flip, shading_error, similarity, FlipParams, Motion, Picture, BLOCK_PX};
 use impasto::paint::PaintSample;
-use impasto::scene::{Camera, Lights, Mesh, MeshOptions};
+use impasto::scene::{Mesh, MeshOptions, Moment};
 use impasto::technique::Show;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -73,8 +74,7 @@ pub struct CompareArgs {
 struct Stage<'a> {
     args: &'a CompareArgs,
     mesh: &'a Mesh,
-    lights: Lights,
-    cameras: [Camera; 2],
+    moments: [Moment; 2],
     motion: Motion,
     meter: Meter,
 }
@@ -133,10 +133,11 @@ pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.size)?;
     session.phase("setup");
-    let seen = |camera: Camera| Seen::new(&mesh, &(camera, lights.clone()), args.size);
-    let motion = seen(cameras[0])?.motion_to(&seen(cameras[1])?)?;
+    let moments = cameras.map(|camera| Moment::at_rest(camera, lights.clone()));
+    let seen = |moment: &Moment| Seen::new(&mesh, moment, args.size);
+    let motion = seen(&moments[0])?.motion_to(&seen(&moments[1])?)?;
     let meter = Meter::new(&args.search, &device)?;
-    let stage = Stage { args, mesh: &mesh, lights, cameras, motion, meter };
+    let stage = Stage { args, mesh: &mesh, moments, motion, meter };
     let mut outputs = Outputs::default();
     let (width, height) = args.size.pair();
     outputs.add(args.output.join("motion.png"), png16(width, height, &stage.motion.to_rgb16())?);
@@ -226,18 +227,17 @@ impl Stage<'_> {
     ) -> Result<Measured> {
         let args = self.args;
         let chosen = args.technique.choose(technique, &args.quilting, self.mesh, None)?;
-        let scene = Scene { mesh: self.mesh, camera: self.cameras[0], lights: self.lights.clone(), size: args.size };
+        let scene = Scene { mesh: self.mesh, moment: self.moments[0].clone(), size: args.size };
         let started = Instant::now();
-        let view = |frame: usize| (self.cameras[frame], self.lights.clone());
         let mut painter = Painter::new(session, device, &scene, paints, &chosen)?;
-        painter.draw(Some(session), device, view(0), 0)?;
+        painter.advance(Some(session), device, &NextFrame::alone(&self.moments[0], 0))?;
         let first = painter.frame(device, Show::Painted)?;
         let prepared = started.elapsed();
         let shades = painter.shades(device)?;
         if paint.number == 0 && technique == TechniqueName::Image {
             outputs.add(args.output.join("shade.png"), gray_png(painter.shade(device)?)?);
         }
-        painter.draw(Some(session), device, view(1), 1)?;
+        painter.advance(Some(session), device, &NextFrame::alone(&self.moments[1], 1))?;
         let second = painter.frame(device, Show::Painted)?;
         session.phase("paint");
         let (frame, next) = (frame_picture(&first)?, frame_picture(&second)?);

@@ -13,7 +13,7 @@ use impasto::metric::{
     KdTree, Motion, Neighbour, Picture, Score, Source, WassersteinParams,
 };
 use impasto::paint::PaintSample;
-use impasto::scene::{Camera, Guide, GuideOracle, Lights, Mesh};
+use impasto::scene::{Guide, GuideOracle, Mesh, Moment};
 use serde_json::{json, Map, Value};
 use std::path::Path;
 
@@ -114,20 +114,20 @@ pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
 
 /// What a frame shows of the scene, for the motion to the next.
 pub struct Seen {
-    camera: Camera,
+    moment: Moment,
     guide: Guide,
 }
 
 impl Seen {
     /// Looks at the scene.
-    pub fn new(mesh: &Mesh, (camera, lights): &(Camera, Lights), size: Size) -> Result<Self> {
-        let guide = GuideOracle::render(mesh, camera, lights, size.width, size.height)?;
-        Ok(Seen { camera: *camera, guide })
+    pub fn new(mesh: &Mesh, moment: &Moment, size: Size) -> Result<Self> {
+        let guide = GuideOracle::render(mesh, moment, size.width, size.height)?;
+        Ok(Seen { moment: moment.clone(), guide })
     }
 
     /// The motion to the next frame.
     pub fn motion_to(&self, next: &Seen) -> Result<Motion> {
-        Ok(Motion::between([&self.camera, &next.camera], [&self.guide, &next.guide])?)
+        Ok(Motion::between([&self.moment, &next.moment], [&self.guide, &next.guide])?)
     }
 
     /// The object at each pixel, 0 for none.

@@ -21,6 +21,7 @@ mod failure;
 mod files;
 mod film;
 mod frames;
+mod image_frames;
 mod keyframes;
 mod measure;
 mod meter;

@@ -1,6 +1,7 @@
 //! Drives the techniques: guides, preparation with a progress bar, and the pictures of all stages.
 
 use super::failure::Result;
+use super::image_frames::{ImageFrames, NextFrame};
 use super::paints::Paints;
 use super::picture::from_texels;
 use super::session::{Device, Session, PART_COMPARISONS};
@@ -8,45 +9,45 @@ use super::techniques::{Chosen, Technique};
 use super::values::Size;
 use image::{GrayAlphaImage, LumaA, Rgba, RgbaImage};
 use impasto::gpu::{Image, Uploads};
-use impasto::scene::{Camera, GuidePass, Lights, Mesh};
+use impasto::scene::{GuidePass, Mesh, Moment};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{screen_displacement, AlignedFrame, AlignedTechnique, LevelVolume};
 use impasto::technique::dependent::{CoverageReport, DependentTechnique, ViewCoverage};
-use impasto::technique::image::{ImageParams, ImageTechnique};
+use impasto::technique::image::ImageParams;
 use impasto::technique::object::ObjectTechnique;
 use impasto::technique::{ShadeRange, Show};
 use std::collections::HashSet;
 
-/// What is painted, from where it is seen, and how it is lit.
+/// What is painted, and what it is like at first.
 pub struct Scene<'a> {
     pub mesh: &'a Mesh,
-    pub camera: Camera,
-    pub lights: Lights,
+    pub moment: Moment,
     pub size: Size,
 }
 
 /// A scene, ready to be drawn frame by frame.
 pub struct Painter<'a> {
     scene: &'a Scene<'a>,
-    camera: Camera,
-    lights: Lights,
+    moment: Moment,
     guides: GuidePass,
     technique: Prepared,
     range: ShadeRange,
-    seed: u32,
+    /// Whether there is a frame to go on from.
+    began: bool,
 }
 
 enum Prepared {
-    Image(ImageTechnique, Option<Image>, Option<(Camera, impasto::scene::Guide)>),
+    Image(Box<ImageFrames>),
     Object(ObjectTechnique),
-    Aligned(AlignedTechnique, AlignedFrame),
+    /// The frame as it was asked for, and as it has moved.
+    Aligned(AlignedTechnique, [AlignedFrame; 2]),
     Dependent(Box<DependentTechnique>, CoverageReport),
 }
 
 impl<'a> Painter<'a> {
-    /// Prepares the technique up to the first frame's drawing. The scene's camera and lights are those that the range
-    /// of shade is found for.
+    /// Prepares the technique up to the first frame's drawing. The scene's moment is the one that the range of shade is
+    /// found for.
     pub fn new(
         session: &mut Session,
         device: &mut Device,
@@ -60,7 +61,7 @@ impl<'a> Painter<'a> {
         let guides = GuidePass::new(&context, &mut uploads, scene.mesh, size)?;
         device.upload(&mut uploads)?;
         let range = if chosen.levels {
-            device.runner.run(|recorder| guides.record(recorder, &scene.camera, &scene.lights))?;
+            device.runner.run(|recorder| guides.record(recorder, &scene.moment))?;
             let shade = floats(&device.runner.read_image(guides.shade())?);
             ShadeRange::of_guide(&shade, &words(&device.runner.read_image(guides.id())?))
         } else {
@@ -68,34 +69,14 @@ impl<'a> Painter<'a> {
         };
         let seed = chosen.quilt.seed;
         let technique = match &chosen.technique {
-            Technique::Image => {
+            Technique::Image(continuity) => {
                 let params = ImageParams { quilt: chosen.quilt, k: chosen.k, range, previous: None };
-                let stages = QuiltStages::new(&context)?;
                 let all = paints.all()?;
-                let mut technique =
-                    ImageTechnique::new(&context, &mut uploads, &stages, &guides, &all, &paints.of_object, &params)?;
-                let mut mi = None;
-                if std::env::var("CARRY").is_ok() {
-                    let image = Image::new(
-                        &context,
-                        "motion",
-                        &impasto::gpu::ImageDesc::storage_2d(size.0, size.1, ash::vk::Format::R32_UINT),
-                    )?;
-                    let stretch = std::env::var("STRETCH").ok().and_then(|s| s.parse().ok()).unwrap_or(1.25);
-                    let slack = std::env::var("SLACK").ok().and_then(|s| s.parse().ok()).unwrap_or(0.5);
-                    technique.carry(
-                        &context,
-                        &mut uploads,
-                        &guides,
-                        &all,
-                        &image,
-                        &impasto::synthesis::repair::RepairParams { stretch, slack },
-                    )?;
-                    mi = Some(image);
-                }
+                let frames =
+                    ImageFrames::new(&context, &mut uploads, &guides, &all, &paints.of_object, &params, *continuity)?;
                 device.upload(&mut uploads)?;
                 session.phase("prepare");
-                Prepared::Image(technique, mi, None)
+                Prepared::Image(Box::new(frames))
             }
             Technique::Object(params) => {
                 let all = paints.all()?;
@@ -115,7 +96,7 @@ impl<'a> Painter<'a> {
                 session.phase("prepare");
                 prepare_levels(session, device, technique.levels(), seed)?;
                 technique.levels_mut().finish();
-                Prepared::Aligned(technique, AlignedFrame { range, ..*frame })
+                Prepared::Aligned(technique, [AlignedFrame { range, ..*frame }; 2])
             }
             Technique::Dependent(views, view_px, params) => {
                 let covered = ViewCoverage::run(&context, &mut device.runner, scene.mesh, views, *view_px)?;
@@ -128,7 +109,7 @@ impl<'a> Painter<'a> {
                     &mut uploads,
                     &stages,
                     scene.mesh,
-                    &scene.lights,
+                    &scene.moment.lights,
                     &covered,
                     *view_px,
                     size,
@@ -148,103 +129,66 @@ impl<'a> Painter<'a> {
                 Prepared::Dependent(Box::new(technique), covered.report)
             }
         };
-        Ok(Painter { scene, camera: scene.camera, lights: scene.lights.clone(), guides, technique, range, seed })
+        Ok(Painter { scene, moment: scene.moment.clone(), guides, technique, range, began: false })
     }
 
-    /// Draws what frame `number` is made of, through a camera and in lights: the guides, and what is synthesised anew
-    /// for every frame, with a progress bar of the `session` if one is given. The range of shade stays, but for
-    /// image-based synthesis, which finds that of every frame.
-    pub fn draw(
-        &mut self,
-        session: Option<&Session>,
-        device: &mut Device,
-        (camera, lights): (Camera, Lights),
-        number: u32,
-    ) -> Result {
-        (self.camera, self.lights) = (camera, lights);
-        device.runner.run(|recorder| self.guides.record(recorder, &self.camera, &self.lights))?;
-        if let Prepared::Image(technique, mi, last) = &mut self.technique {
-            if let Some(mi) = mi {
-                let size = self.scene.size.pair();
-                let guide = impasto::scene::Guide {
-                    width: size.0,
-                    height: size.1,
-                    shade: floats(&device.runner.read_image(self.guides.shade())?),
-                    id: words(&device.runner.read_image(self.guides.id())?),
-                    depth: floats(&device.runner.read_image(self.guides.depth())?),
-                };
-                if let Some((camera, before)) = last {
-                    let motion = impasto::metric::Motion::between([&self.camera, camera], [&guide, before])?;
-                    let w: Vec<u32> = motion
-                        .to_rgb16()
-                        .iter()
-                        .map(|[x, y, b]| if *b == 0 { 0 } else { u32::from(*x) | u32::from(*y) << 16 })
-                        .collect();
-                    let mut uploads = Uploads::default();
-                    let context = device.context.clone();
-                    uploads.image(&context, mi, bytemuck::cast_slice(&w))?;
-                    device.upload(&mut uploads)?;
-                    let t = std::time::Instant::now();
-                    let c = cpu();
-                    device.runner.run(|recorder| {
-                        technique.record_next(recorder, self.seed, number);
-                        Ok(())
-                    })?;
-                    let (mut kept, mut skipped) = (0, 0);
-                    for quilt in technique.quilts() {
-                        let b = device.runner.read_buffer(quilt.block_buffer())?;
-                        let w = words(&b);
-                        for r in w.chunks(11) {
-                            if r[6] == 0 {
-                                skipped += 1
-                            } else {
-                                kept += 1
-                            }
-                        }
-                    }
-                    let placed: usize = words(&device.runner.read_image(technique.quilts().next().unwrap().source())?)
-                        .iter()
-                        .filter(|w| **w != u32::MAX)
-                        .count();
-                    eprintln!("{number}: {:.0} ms cpu {:.0} ms, blocks {kept} skipped {skipped}; pasted px {placed} = {:.1} %", t.elapsed().as_secs_f64()*1e3, cpu() - c, 100.0*placed as f64 / guide.id.iter().filter(|i| **i != 0).count() as f64);
-                } else {
-                    synthesise(session, device, technique, self.seed, number)?;
-                }
-                *last = Some((self.camera, guide));
-                return Ok(());
+    /// Whether a frame depends on those before it, as far as it is not fresh.
+    pub fn has_memory(&self) -> bool {
+        match &self.technique {
+            Prepared::Image(frames) => frames.has_memory(),
+            Prepared::Object(_) => false,
+            Prepared::Aligned(..) | Prepared::Dependent(..) => true,
+        }
+    }
+
+    /// Goes on to a frame, with a progress bar of the `session` if one is given. The range of shade stays that of the first
+    /// frame.
+    pub fn advance(&mut self, session: Option<&Session>, device: &mut Device, next: &NextFrame<'_>) -> Result {
+        let fresh = next.fresh || !self.began;
+        match &mut self.technique {
+            Prepared::Image(frames) => frames.advance(session, device, &self.guides, next)?,
+            Prepared::Object(_) => {}
+            Prepared::Aligned(_, [asked, frame]) if fresh => *frame = *asked,
+            Prepared::Aligned(_, [_, frame]) => {
+                let cameras = [&self.moment.camera, &next.moment.camera];
+                let way = screen_displacement(self.scene.mesh, cameras, self.scene.size.pair())?;
+                frame.offset_px = [frame.offset_px[0] - way[0], frame.offset_px[1] - way[1]];
             }
-            synthesise(session, device, technique, self.seed, number)?;
+            Prepared::Dependent(..) => {}
+        }
+        self.moment = next.moment.clone();
+        self.began = true;
+        if next.shown && matches!(self.technique, Prepared::Aligned(..)) {
+            self.draw_guides(device)?;
         }
         Ok(())
     }
 
-    /// Lets what lies in the plane of the picture follow the model from one camera to the next.
-    pub fn follow(&mut self, from: &Camera, to: &Camera) -> Result {
-        if let Prepared::Aligned(_, frame) = &mut self.technique {
-            let way = screen_displacement(self.scene.mesh, [from, to], self.scene.size.pair())?;
-            frame.offset_px = [frame.offset_px[0] - way[0], frame.offset_px[1] - way[1]];
-        }
-        Ok(())
+    fn draw_guides(&self, device: &mut Device) -> Result {
+        Ok(device.runner.run(|recorder| self.guides.record(recorder, &self.moment))?)
     }
 
     /// The frame: painted, its colour alone, or its texture alone.
-    pub fn frame(&self, device: &mut Device, show: Show) -> Result<RgbaImage> {
-        let (camera, lights, size) = (&self.camera, &self.lights, self.scene.size);
-        device.runner.run(|recorder| match &self.technique {
-            Prepared::Image(technique, ..) => {
-                technique.record_recombine(recorder, show);
-                Ok(())
+    pub fn frame(&mut self, device: &mut Device, show: Show) -> Result<RgbaImage> {
+        let (moment, size) = (&self.moment, self.scene.size);
+        match &mut self.technique {
+            Prepared::Image(frames) => frames.draw(device, show)?,
+            Prepared::Object(technique) => {
+                device.runner.run(|recorder| technique.record(recorder, moment, self.range, show))?;
             }
-            Prepared::Object(technique) => technique.record(recorder, camera, lights, self.range, show),
-            Prepared::Aligned(technique, frame) => technique.record(recorder, &AlignedFrame { show, ..*frame }),
-            Prepared::Dependent(technique, _) => technique.record(recorder, camera, lights, show),
-        })?;
+            Prepared::Aligned(technique, [_, frame]) => {
+                device.runner.run(|recorder| technique.record(recorder, &AlignedFrame { show, ..*frame }))?;
+            }
+            Prepared::Dependent(technique, _) => {
+                device.runner.run(|recorder| technique.record(recorder, moment, show))?;
+            }
+        }
         from_texels(device.runner.read_image(self.image())?, size.pair())
     }
 
     fn image(&self) -> &Image {
         match &self.technique {
-            Prepared::Image(technique, ..) => technique.frame(),
+            Prepared::Image(frames) => frames.technique().frame(),
             Prepared::Object(technique) => technique.frame(),
             Prepared::Aligned(technique, _) => technique.frame(),
             Prepared::Dependent(technique, _) => technique.frame(),
@@ -262,8 +206,9 @@ impl<'a> Painter<'a> {
     /// The shade in use at every pixel, 0 to 1; 0 in the background.
     pub fn shades(&self, device: &mut Device) -> Result<Vec<f32>> {
         Ok(match &self.technique {
-            Prepared::Image(technique, ..) => floats(&device.runner.read_image(technique.shade())?),
+            Prepared::Image(frames) => floats(&device.runner.read_image(frames.technique().shade())?),
             _ => {
+                self.draw_guides(device)?;
                 let shade = floats(&device.runner.read_image(self.guides.shade())?);
                 shade.into_iter().map(|shade| self.range.spread(shade)).collect()
             }
@@ -301,8 +246,8 @@ impl<'a> Painter<'a> {
     /// What was chosen for the blocks of each paint; none but in image-based synthesis.
     pub fn blocks(&self, device: &mut Device) -> Result<Vec<Vec<BlockRecord>>> {
         let mut all = Vec::new();
-        if let Prepared::Image(technique, ..) = &self.technique {
-            for quilt in technique.quilts() {
+        if let Prepared::Image(frames) = &self.technique {
+            for quilt in frames.technique().quilts() {
                 all.push(quilt.read_records(&mut device.runner)?);
             }
         }
@@ -310,30 +255,9 @@ impl<'a> Painter<'a> {
     }
 
     fn ids(&self, device: &mut Device) -> Result<Vec<u32>> {
+        self.draw_guides(device)?;
         Ok(words(&device.runner.read_image(self.guides.id())?))
     }
-}
-
-/// Synthesises a frame.
-fn synthesise(
-    session: Option<&Session>,
-    device: &mut Device,
-    technique: &ImageTechnique,
-    seed: u32,
-    number: u32,
-) -> Result {
-    let parts = technique.parts(PART_COMPARISONS);
-    let progress = session.map(|session| session.progress("painting", parts.len()));
-    for part in parts {
-        device.runner.run(|recorder| {
-            technique.record_part(recorder, &part, seed, number);
-            Ok(())
-        })?;
-        if let Some(progress) = &progress {
-            progress.step();
-        }
-    }
-    Ok(())
 }
 
 /// Synthesises levels with a progress bar.
@@ -350,11 +274,6 @@ pub fn prepare_levels(session: &mut Session, device: &mut Device, levels: &Level
     Ok(())
 }
 
-fn cpu() -> f64 {
-    let s = std::fs::read_to_string("/proc/self/stat").unwrap();
-    let f: Vec<&str> = s.rsplit(')').next().unwrap().split_whitespace().collect();
-    (f[11].parse::<f64>().unwrap() + f[12].parse::<f64>().unwrap()) * 10.0
-}
 fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }

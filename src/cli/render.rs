@@ -3,6 +3,7 @@
 use super::blocks;
 use super::failure::Result;
 use super::files::{check_apart, check_file, check_folder, Outputs};
+use super::image_frames::NextFrame;
 use super::painter::{Painter, Scene};
 use super::paints::Paints;
 use super::picture::{encode, format_of, gray_png, over, png};
@@ -11,6 +12,7 @@ use super::session::{Device, Session};
 use super::shot::{LookFlags, ShotFlags};
 use super::strips::trajectory_picture;
 use clap::Args;
+use impasto::scene::Moment;
 use impasto::technique::dependent::CoverageReport;
 use impasto::technique::Show;
 use serde_json::json;
@@ -48,10 +50,10 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.shot.size)?;
     session.phase("setup");
-    let view = (shot.camera, shot.lights.clone());
-    let scene = Scene { mesh: &shot.mesh, camera: shot.camera, lights: shot.lights, size: args.shot.size };
+    let moment = Moment::at_rest(shot.camera, shot.lights);
+    let scene = Scene { mesh: &shot.mesh, moment: moment.clone(), size: args.shot.size };
     let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &chosen)?;
-    painter.draw(Some(session), &mut device, view, 0)?;
+    painter.advance(Some(session), &mut device, &NextFrame::alone(&moment, 0))?;
     session.phase("synthesis");
 
     let mut outputs = Outputs::default();
@@ -63,7 +65,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
         session.attach("coverage", coverage_json(report));
     }
     if let Some(dir) = &args.dump {
-        dump(dir, &args.shot.quilting, &shot.paints, &painter, &mut device, &mut outputs)?;
+        dump(dir, &args.shot.quilting, &shot.paints, &mut painter, &mut device, &mut outputs)?;
     }
     outputs.add(&args.output, encode(frame, format)?);
     session.take_times(&mut device.runner);
@@ -85,7 +87,7 @@ fn dump(
     dir: &Path,
     quilting: &Quilting,
     paints: &Paints,
-    painter: &Painter<'_>,
+    painter: &mut Painter<'_>,
     device: &mut Device,
     outputs: &mut Outputs,
 ) -> Result {

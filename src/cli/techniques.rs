@@ -1,6 +1,7 @@
 //! The ways of painting on the command line: a group of flags for each technique.
 
 use super::failure::{Failure, Result};
+use super::image_frames::Continuity;
 use super::quilting::Quilting;
 use super::report::number;
 use super::session::Session;
@@ -172,8 +173,8 @@ pub struct Chosen {
 
 /// A technique with its parameters.
 pub enum Technique {
-    /// Image-based texture synthesis.
-    Image,
+    /// Image-based texture synthesis: how a frame keeps to the one before.
+    Image(Continuity),
     /// Object-based texture mapping.
     Object(ObjectParams),
     /// View-aligned projection: how its levels are prepared, how its frame is drawn.
@@ -194,7 +195,7 @@ impl TechniqueOptions {
     ) -> Result<Chosen> {
         let quilt = quilting.params(false);
         let technique = match name {
-            TechniqueName::Image => Technique::Image,
+            TechniqueName::Image => Technique::Image(Continuity::Anew),
             TechniqueName::Object => Technique::Object(self.object.params(quilting.seed, mesh)?),
             TechniqueName::Aligned => {
                 let blend = match self.blend {
@@ -222,7 +223,7 @@ impl TechniqueOptions {
 
     /// The parameters of image-based synthesis.
     pub fn image(&self, quilting: &Quilting) -> ImageParams {
-        ImageParams { quilt: quilting.params(false), k: self.k, levels: self.levels }
+        ImageParams { quilt: quilting.params(false), k: self.k, ..ImageParams::default() }
     }
 
     /// Adds the flags that count for a technique to the report.

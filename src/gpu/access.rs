@@ -21,6 +21,8 @@ pub enum Access {
     ComputeRead,
     /// Written by a compute shader (a storage buffer or storage image) without regard to what was there.
     ComputeWrite,
+    /// Read by a compute shader through a sampler.
+    ComputeSampled,
     /// Read and written by a compute shader.
     ComputeReadWrite,
     /// Read by a fragment shader as a storage image.
@@ -62,6 +64,7 @@ impl Access {
             Access::TransferWrite => (S::TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true, false),
             Access::TransferDiscard => (S::TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true, true),
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_READ, L::GENERAL, false, false),
+            Access::ComputeSampled => (S::COMPUTE_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false, false),
             Access::ComputeWrite => (S::COMPUTE_SHADER, A::SHADER_WRITE, L::GENERAL, true, false),
             Access::ComputeReadWrite => (S::COMPUTE_SHADER, A::SHADER_READ | A::SHADER_WRITE, L::GENERAL, true, false),
             Access::FragmentRead => (S::FRAGMENT_SHADER, A::SHADER_READ, L::GENERAL, false, false),
@@ -252,6 +255,20 @@ mod tests {
         let copy = got[2].expect("a read in another layout waits for the reads before it");
         assert!(copy.src_stages.contains(S::COMPUTE_SHADER));
         assert_eq!(got[3].map(|b| b.old_layout), Some(L::UNDEFINED));
+    }
+
+    #[test]
+    fn depth_is_read_by_compute_after_it_was_drawn() {
+        let got = states(&[Access::DepthAttachment, Access::ComputeSampled, Access::TransferRead], true);
+        let read = got[1].expect("read after drawing");
+        assert_eq!(
+            (read.old_layout, read.new_layout),
+            (L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, L::SHADER_READ_ONLY_OPTIMAL)
+        );
+        assert!(read.src_stages.contains(S::LATE_FRAGMENT_TESTS));
+        assert!(read.src_access.contains(A::DEPTH_STENCIL_ATTACHMENT_WRITE));
+        assert_eq!((read.dst_stages, read.dst_access), (S::COMPUTE_SHADER, A::SHADER_READ));
+        assert!(got[2].expect("another layout").src_stages.contains(S::COMPUTE_SHADER));
     }
 
     #[test]

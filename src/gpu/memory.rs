@@ -403,7 +403,7 @@ impl Drop for ImageInner {
     }
 }
 
-/// How an image is sampled: linear between texels, one level. Clones are the same sampler.
+/// How an image is sampled, one level. Clones are the same sampler.
 #[derive(Clone)]
 pub(crate) struct Sampler(Arc<SamplerInner>);
 
@@ -413,14 +413,26 @@ struct SamplerInner {
 }
 
 impl Sampler {
-    /// Makes a sampler with these ways to go on beyond the edges in x, y and z.
+    /// Makes a sampler that is linear between texels, with these ways to go on beyond the edges in x, y and z.
     ///
     /// # Errors
     /// [`Error::Vulkan`] when the call fails.
     pub fn linear(context: &Context, edges: [vk::SamplerAddressMode; 3]) -> Result<Self> {
+        Self::new(context, vk::Filter::LINEAR, edges)
+    }
+
+    /// Makes a sampler for single texels, of formats that cannot be sampled in between.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`] when the call fails.
+    pub fn nearest(context: &Context) -> Result<Self> {
+        Self::new(context, vk::Filter::NEAREST, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])
+    }
+
+    fn new(context: &Context, filter: vk::Filter, edges: [vk::SamplerAddressMode; 3]) -> Result<Self> {
         let info = vk::SamplerCreateInfo::default()
-            .mag_filter(vk::Filter::LINEAR)
-            .min_filter(vk::Filter::LINEAR)
+            .mag_filter(filter)
+            .min_filter(filter)
             .address_mode_u(edges[0])
             .address_mode_v(edges[1])
             .address_mode_w(edges[2]);

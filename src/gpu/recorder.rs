@@ -294,6 +294,24 @@ impl<'a> Recorder<'a> {
         });
     }
 
+    /// Copies whole images, each to one of the same size and format.
+    pub(crate) fn copy_images(&mut self, name: &'static str, pairs: &[(&Image, &Image)]) {
+        let read = pairs.iter().map(|(from, _)| Use::Image(from, Access::TransferRead));
+        let written = pairs.iter().map(|(_, to)| Use::Image(to, Access::TransferDiscard));
+        self.pass(name, &read.chain(written).collect::<Vec<_>>(), |device, commands| {
+            let (read, written) = (Access::TransferRead.info().layout, Access::TransferDiscard.info().layout);
+            for (from, to) in pairs {
+                let whole = from.whole();
+                let region = vk::ImageCopy::default()
+                    .src_subresource(whole.image_subresource)
+                    .dst_subresource(whole.image_subresource)
+                    .extent(whole.image_extent);
+                // SAFETY: both images are live, in these layouts, and alike: callers make the one after the other.
+                unsafe { device.cmd_copy_image(commands, from.handle(), read, to.handle(), written, &[region]) };
+            }
+        });
+    }
+
     /// Copies an image's texels, tightly packed, to `to`.
     pub(crate) fn download_image(&mut self, name: &'static str, from: &Image, to: &Buffer) {
         let uses = [Use::Image(from, Access::TransferRead), Use::Buffer(to, Access::TransferWrite)];

@@ -1,7 +1,7 @@
 //! Where the surface at a pixel of one frame is in the next (section 9.3: coherence in object space).
 
 use crate::paint::{decode_picture, read_picture};
-use crate::scene::{Camera, Guide};
+use crate::scene::{Guide, Moment};
 use crate::{Error, Result};
 use glam::{DMat4, DVec2, DVec3};
 use image::ColorType;
@@ -25,12 +25,13 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The exact motion of a model that stands still, between two cameras: each pixel's point by its depth, seen by the
-    /// other camera. It is visible there if the other guide has the same object at the place and nearly the same point.
+    /// The exact motion between two moments, of which the guides are: each pixel's point by its depth, moved as its
+    /// object moves and seen by the other camera. It is visible there if the other guide has the same object at the
+    /// place and nearly the same point. The way goes from the first to the second, whichever is the earlier.
     ///
     /// # Errors
     /// [`Error::Parameter`] when the guides differ in size or a camera has no projection for it.
-    pub fn between(cameras: [&Camera; 2], guides: [&Guide; 2]) -> Result<Self> {
+    pub fn between(moments: [&Moment; 2], guides: [&Guide; 2]) -> Result<Self> {
         let [first, second] = guides;
         let (width, height) = (first.width, first.height);
         if (second.width, second.height) != (width, height) {
@@ -38,8 +39,8 @@ impl Motion {
             return Err(Error::parameter("second guide", format!("{} x {}", second.width, second.height), allowed));
         }
         let size = DVec2::new(f64::from(width), f64::from(height));
-        let projection = |camera: &Camera| camera.view_projection(width as f32 / height as f32);
-        let [to_first, to_second] = [projection(cameras[0])?.as_dmat4(), projection(cameras[1])?.as_dmat4()];
+        let projection = |moment: &Moment| moment.camera.view_projection(width as f32 / height as f32);
+        let [to_first, to_second] = [projection(moments[0])?.as_dmat4(), projection(moments[1])?.as_dmat4()];
         let [from_first, from_second] = [to_first.inverse(), to_second.inverse()];
         let point = |from: &DMat4, x: u32, y: u32, depth: f32| {
             let place = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size * 2.0 - 1.0;
@@ -47,7 +48,7 @@ impl Motion {
         };
         // How long a pixel is at a point.
         let pixel = |point: DVec3| {
-            let camera = cameras[0];
+            let camera = &moments[0].camera;
             let along = (point - camera.eye().as_dvec3()).dot(camera.forward().as_dvec3());
             2.0 * along * (f64::from(camera.fov_y_deg()).to_radians() / 2.0).tan() / size.y
         };
@@ -58,7 +59,9 @@ impl Motion {
                 return None;
             }
             let here = point(&from_first, x, y, first.depth[at]);
-            let seen = to_second.project_point3(here);
+            let [before, after] = moments.map(|moment| moment.pose(id as usize - 1).matrix());
+            let moved = after.transform_point3(before.inverse().transform_point3(here));
+            let seen = to_second.project_point3(moved);
             let place = (seen.truncate() * 0.5 + 0.5) * size - 0.5;
             let nearest = place.round();
             let inside = nearest.cmpge(DVec2::ZERO).all() && nearest.cmplt(size).all() && seen.z > 0.0;
@@ -68,7 +71,7 @@ impl Motion {
             let (nx, ny) = (nearest.x as u32, nearest.y as u32);
             let there = (ny * width + nx) as usize;
             let visible = second.id[there] == id
-                && point(&from_second, nx, ny, second.depth[there]).distance(here) <= SAME_PX * pixel(here);
+                && point(&from_second, nx, ny, second.depth[there]).distance(moved) <= SAME_PX * pixel(here);
             // As a file has it, so that measuring with the file gives the same.
             let steps = |way: f64| ((way * STEPS).round() / STEPS) as f32;
             let way = [steps(place.x - f64::from(x)), steps(place.y - f64::from(y))];

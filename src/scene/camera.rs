@@ -75,16 +75,17 @@ impl Camera {
         })
     }
 
-    /// The same camera with near and far planes close around what of the mesh lies in front of it.
+    /// The same camera with near and far planes close around what of the mesh, at rest, lies in front of it;
+    /// [`Moment::fit_depth`](super::Moment::fit_depth) heeds its objects' poses.
     pub fn fit_depth(self, mesh: &Mesh) -> Self {
-        self.fit_depth_of(mesh.positions().iter().map(|&p| Vec3::from(p).as_dvec3()))
+        self.fit_points(mesh.positions().iter().map(|&p| Vec3::from(p).as_dvec3()))
     }
 
-    /// The same, around points.
-    pub(super) fn fit_depth_of(mut self, points: impl Iterator<Item = DVec3>) -> Self {
+    /// As [`Camera::fit_depth`], for points in world space.
+    pub(super) fn fit_points(mut self, points: impl Iterator<Item = DVec3>) -> Self {
         let eye = self.eye.as_dvec3();
         let forward = self.forward.as_dvec3();
-        let depths = points.map(|point| (point - eye).dot(forward));
+        let depths = points.map(|p| (p - eye).dot(forward));
         let (nearest, farthest) =
             depths.fold((f64::INFINITY, 0.0_f64), |(low, high), depth| (low.min(depth), high.max(depth)));
         if farthest > 0.0 {

@@ -3,8 +3,8 @@
 //! Techniques read its images: shade decides which paint goes where, the ID which pixels are painted at all and with
 //! which strip. The oracle is [`super::GuideOracle`].
 
-use super::mesh_pass::{MeshDesc, MeshPass};
-use super::{Camera, Lights, Mesh};
+use super::mesh_pass::{MeshDesc, MeshPass, Run};
+use super::{Mesh, Moment};
 use crate::gpu::{Context, Draw, Image, ImageDesc, RasterShader, Recorder, Uploads, VertexAttribute};
 use crate::Result;
 use ash::vk;
@@ -29,14 +29,13 @@ struct Vertex {
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Push {
-    view_projection: [f32; 16],
+    to_clip: [f32; 16],
     light: [f32; 4],
 }
 
 /// A mesh on the device and the images that its guides are drawn to.
 pub struct GuidePass {
     mesh: MeshPass,
-    index_count: u32,
     object_count: usize,
     shade: Image,
     id: Image,
@@ -72,21 +71,19 @@ impl GuidePass {
             vertices: &vertices,
             indices: mesh.indices(),
         };
-        let index_count = mesh.indices().len() as u32;
         let object_count = mesh.objects().len();
-        Ok(GuidePass { mesh: MeshPass::new(context, uploads, mesh, &desc)?, index_count, object_count, shade, id })
+        Ok(GuidePass { mesh: MeshPass::new(context, uploads, mesh, &desc)?, object_count, shade, id })
     }
 
     /// Records the pass.
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
-    pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, lights: &Lights) -> Result<()> {
-        let push = Push {
-            view_projection: self.mesh.view_projection(camera)?,
-            light: lights.mean_direction().extend(0.0).to_array(),
-        };
-        self.mesh.record(recorder, camera, &[Draw { set: None, push, range: 0..self.index_count }]);
+    pub fn record(&self, recorder: &mut Recorder<'_>, moment: &Moment) -> Result<()> {
+        let runs = self.mesh.runs(moment, |_| ())?;
+        let draw =
+            |run: Run<()>| Draw { set: None, push: Push { to_clip: run.to_clip, light: run.light }, range: run.range };
+        self.mesh.record(recorder, moment, &runs.into_iter().map(draw).collect::<Vec<_>>());
         Ok(())
     }
 

@@ -8,9 +8,9 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
-use super::camera::Camera;
 use super::light::Lights;
 use super::mesh::Mesh;
+use super::moment::Moment;
 use crate::error::{Error, Result};
 
 /// The longest side of a guide image.
@@ -45,36 +45,37 @@ struct Corner {
 }
 
 impl GuideOracle {
-    /// Draws the mesh.
+    /// Draws the mesh as it is at a moment.
     ///
     /// The world-space normal is interpolated with perspective correction, brought to unit length, and turned for
     /// triangles that show their back, before equation 3.1 is applied.
     ///
     /// # Errors
     /// [`Error::Parameter`] if a side is not in 1..=[`MAX_GUIDE_SIDE_PX`].
-    pub fn render(mesh: &Mesh, camera: &Camera, lights: &Lights, width: u32, height: u32) -> Result<Guide> {
+    pub fn render(mesh: &Mesh, moment: &Moment, width: u32, height: u32) -> Result<Guide> {
         for (name, side) in [("width", width), ("height", height)] {
             if !(1..=MAX_GUIDE_SIDE_PX).contains(&side) {
                 return Err(Error::parameter(name, side, format!("from 1 to {MAX_GUIDE_SIDE_PX} pixels")));
             }
         }
-        let to_clip = camera.view_projection(width as f32 / height as f32)?.as_dmat4();
+        let view_projection = moment.camera.view_projection(width as f32 / height as f32)?.as_dmat4();
         let pixels = width as usize * height as usize;
         let mut guide =
             Guide { width, height, shade: vec![0.0; pixels], id: vec![0; pixels], depth: vec![1.0; pixels] };
 
         for (object, part) in mesh.objects().iter().enumerate() {
+            let to_world = moment.pose(object).matrix();
             let range = part.first_index as usize..(part.first_index + part.index_count) as usize;
             for triangle in mesh.indices()[range].chunks_exact(3) {
                 let corners = [0, 1, 2].map(|k| {
                     let vertex = triangle[k] as usize;
                     let position = Vec3::from(mesh.positions()[vertex]).as_dvec3();
-                    let normal = Vec3::from(mesh.normals()[vertex]).as_dvec3();
-                    Corner { clip: to_clip * position.extend(1.0), normal }
+                    let normal = to_world.transform_vector3(Vec3::from(mesh.normals()[vertex]).as_dvec3());
+                    Corner { clip: view_projection * to_world * position.extend(1.0), normal }
                 });
                 let polygon = clip_near(&corners);
                 for k in 2..polygon.len() {
-                    guide.draw([polygon[0], polygon[k - 1], polygon[k]], object as u32 + 1, lights);
+                    guide.draw([polygon[0], polygon[k - 1], polygon[k]], object as u32 + 1, &moment.lights);
                 }
             }
         }

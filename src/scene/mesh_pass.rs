@@ -1,13 +1,14 @@
 //! A render pass that draws a mesh to images of the caller's choice: the guide pass, and what techniques draw
 //! themselves.
 
-use super::{upload_ordered, Camera, Mesh, Solid};
+use super::{upload_ordered, Mesh, Moment, Object, Solid};
 use crate::gpu::{
     Attachment, Buffer, Context, Draw, Framebuffer, Geometry, Image, ImageDesc, RasterDesc, RasterPipeline,
     RasterShader, Recorder, RenderPass, Role, Uploads, VertexAttribute,
 };
 use crate::Result;
 use ash::vk;
+use std::ops::Range;
 
 /// What a [`MeshPass`] draws, and how.
 pub(crate) struct MeshDesc<'a, V> {
@@ -25,6 +26,18 @@ pub(crate) struct MeshDesc<'a, V> {
     pub indices: &'a [u32],
 }
 
+/// Objects side by side that are drawn at once.
+pub(crate) struct Run<K> {
+    /// Their indices.
+    pub range: Range<u32>,
+    /// What they share besides their pose.
+    pub kind: K,
+    /// From the mesh to clip space.
+    pub to_clip: [f32; 16],
+    /// The lights' mean direction, as the objects have it.
+    pub light: [f32; 4],
+}
+
 /// The pass, with the mesh on the device.
 pub(crate) struct MeshPass {
     pass: RenderPass,
@@ -32,6 +45,7 @@ pub(crate) struct MeshPass {
     /// Draw all faces, and only those that show their front.
     pipelines: [RasterPipeline; 2],
     solid: Solid,
+    objects: Vec<Object>,
     vertices: Buffer,
     indices: Buffer,
     depth: Image,
@@ -52,7 +66,7 @@ impl MeshPass {
         use vk::ImageUsageFlags as U;
         let shader = desc.shader;
         let size_px = desc.images.first().map_or([1; 3], |image| image.size_px());
-        let usage = U::DEPTH_STENCIL_ATTACHMENT | U::TRANSFER_SRC;
+        let usage = U::DEPTH_STENCIL_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
         let depth_desc = ImageDesc { size_px, format: context.caps().depth_format, usage };
         let depth = Image::new(context, shader.name, &depth_desc)?;
         let color = |image: &&Image| Attachment { format: image.format(), role: Role::Color };
@@ -69,7 +83,8 @@ impl MeshPass {
         };
         let pipelines = [pipeline(false)?, pipeline(true)?];
         let (vertices, indices) = upload_ordered(context, uploads, desc.vertices, desc.indices, mesh.objects())?;
-        Ok(MeshPass { pass, target, pipelines, solid: Solid::new(mesh), vertices, indices, depth })
+        let (solid, objects) = (Solid::new(mesh), mesh.objects().to_vec());
+        Ok(MeshPass { pass, target, pipelines, solid, objects, vertices, indices, depth })
     }
 
     /// What binding sets are made for.
@@ -82,19 +97,37 @@ impl MeshPass {
         &self.depth
     }
 
-    /// The camera's projection for the pictures' shape.
+    /// The draws that a moment takes: one for each run of objects with the same pose and `kind`.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] when the camera has none.
-    pub fn view_projection(&self, camera: &Camera) -> Result<[f32; 16]> {
+    /// [`crate::Error::Parameter`] when the camera has no projection for the pictures' shape.
+    pub fn runs<K: PartialEq>(&self, moment: &Moment, kind: impl Fn(usize) -> K) -> Result<Vec<Run<K>>> {
         let [width, height, _] = self.depth.size_px();
-        Ok(camera.view_projection(width as f32 / height as f32)?.to_cols_array())
+        let view_projection = moment.camera.view_projection(width as f32 / height as f32)?.as_dmat4();
+        let light = moment.lights.mean_direction();
+        let mut runs: Vec<Run<K>> = Vec::new();
+        let mut last = None;
+        for (number, object) in self.objects.iter().enumerate().filter(|(_, object)| object.index_count > 0) {
+            let (pose, kind) = (moment.pose(number), kind(number));
+            let range = object.first_index..object.first_index + object.index_count;
+            match runs.last_mut() {
+                Some(run) if run.kind == kind && last == Some(pose) => run.range.end = range.end,
+                _ => runs.push(Run {
+                    range,
+                    kind,
+                    to_clip: (view_projection * pose.matrix()).as_mat4().to_cols_array(),
+                    light: pose.to_object(light).extend(0.0).to_array(),
+                }),
+            }
+            last = Some(pose);
+        }
+        Ok(runs)
     }
 
     /// Records the pass.
-    pub fn record<P: bytemuck::NoUninit>(&self, recorder: &mut Recorder<'_>, camera: &Camera, draws: &[Draw<'_, P>]) {
+    pub fn record<P: bytemuck::NoUninit>(&self, recorder: &mut Recorder<'_>, moment: &Moment, draws: &[Draw<'_, P>]) {
         let geometry = Geometry { vertices: &self.vertices, indices: &self.indices };
-        let pipeline = &self.pipelines[usize::from(self.solid.hides_back_faces(camera))];
+        let pipeline = &self.pipelines[usize::from(self.solid.hides_back_faces(moment))];
         recorder.draw(&self.pass, &self.target, pipeline, Some(&geometry), draws);
     }
 }

@@ -2,25 +2,26 @@
 //!
 //! A Wavefront OBJ file becomes a [`Mesh`] that every later stage can trust: triangles with area, finite positions,
 //! unit normals, windings that agree with the normals. What had to be dropped or repaired on the way is told as
-//! [`MeshWarning`]s, and a file of which nothing is left is an error. [`Camera`] and [`Lights`] complete the scene;
-//! the guide passes draw the three into shade, object ID and depth, and [`GuideOracle`] is their plain CPU twin.
+//! [`MeshWarning`]s, and a file of which nothing is left is an error. A [`Moment`] completes the scene: [`Camera`],
+//! [`Lights`] and the objects' [`Pose`]s. The guide pass draws it into shade, object ID and depth, and [`GuideOracle`]
+//! is its plain CPU twin.
 //!
 //! ```text
 //!   bytes -> obj_lines -> tobj -> obj (polygon) -> clean (normals) -> Mesh --+
-//!                                                                           +--> guide passes | GuideOracle
-//!                                                       Camera, Lights -----+
+//!                                                                           +--> GuidePass | GuideOracle
+//!                              Camera, Lights, Poses -> Moment -------------+
 //! ```
 //!
 //! World space is right-handed, and y is up for a camera that frames the model by itself. Vectors and matrices are
 //! those of `glam`, whose types are passed on here.
 //!
 //! ```
-//! use impasto::scene::{Camera, Framing, GuideOracle, Lights, Mesh, MeshOptions};
+//! use impasto::scene::{Camera, Framing, GuideOracle, Lights, Mesh, MeshOptions, Moment};
 //!
 //! let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 //! let mesh = Mesh::parse(&obj[..], "triangle.obj", &MeshOptions::default())?.mesh;
 //! let camera = Camera::framing(&mesh, &Framing::default(), 4.0 / 3.0)?;
-//! let guide = GuideOracle::render(&mesh, &camera, &Lights::default(), 64, 48)?;
+//! let guide = GuideOracle::render(&mesh, &Moment::at_rest(camera, Lights::default()), 64, 48)?;
 //! assert!(guide.id.iter().any(|&id| id == 1));
 //! # Ok::<(), impasto::Error>(())
 //! ```
@@ -35,9 +36,11 @@ mod light;
 mod mesh;
 mod mesh_pass;
 mod moment;
+mod motion;
 mod normals;
 mod obj;
 mod obj_lines;
+mod object_rows;
 mod polygon;
 mod solid;
 mod warning;
@@ -52,8 +55,11 @@ pub(crate) use guide::GUIDE;
 pub use guide_oracle::{Guide, GuideOracle, MAX_GUIDE_SIDE_PX};
 pub use light::{DirectionalLight, Lights, MAX_LIGHTS};
 pub use mesh::{BoundingSphere, Loaded, Mesh, MeshOptions, Object, MAX_OBJECTS};
-pub(crate) use mesh_pass::{MeshDesc, MeshPass};
+pub(crate) use mesh_pass::{MeshDesc, MeshPass, Run};
 pub use moment::{Moment, Pose};
+pub use motion::MotionPass;
+pub(crate) use motion::MOTION;
 pub use obj::{MAX_FILE_BYTES, MAX_TRIANGLES, MAX_VERTICES};
+pub(crate) use object_rows::ObjectRows;
 pub(crate) use solid::{places, Solid};
 pub use warning::MeshWarning;

@@ -77,23 +77,17 @@ impl Moment {
         Self { camera, lights, poses: Vec::new() }
     }
 
-    /// The same moment with the camera's near and far planes close around what of the mesh, with its objects where they
-    /// are, lies in front of it.
-    pub fn fit_depth(self, mesh: &Mesh) -> Self {
-        let camera = if self.poses.is_empty() {
-            self.camera.fit_depth(mesh)
-        } else {
-            let points = mesh.objects().iter().zip(0..).flat_map(|(object, index)| {
-                let matrix = self.pose(index).matrix();
-                let (first, count) = (object.first_index as usize, object.index_count as usize);
-                let indices = &mesh.indices()[first..first + count];
-                indices.iter().map(move |&vertex| {
-                    matrix.transform_point3(Vec3::from(mesh.positions()[vertex as usize]).as_dvec3())
-                })
-            });
-            self.camera.fit_depth_of(points)
-        };
-        Self { camera, ..self }
+    /// The same moment with the camera's near and far planes close around what of the mesh lies in front of it.
+    pub fn fit_depth(mut self, mesh: &Mesh) -> Self {
+        let poses = &self.poses;
+        let points = mesh.objects().iter().enumerate().flat_map(|(number, object)| {
+            let to_world = poses.get(number).copied().unwrap_or_default().matrix();
+            let indices = object.first_index as usize..(object.first_index + object.index_count) as usize;
+            let point = move |&vertex: &u32| Vec3::from(mesh.positions()[vertex as usize]).as_dvec3();
+            mesh.indices()[indices].iter().map(point).map(move |point| to_world.transform_point3(point))
+        });
+        self.camera = self.camera.fit_points(points);
+        self
     }
 
     /// Where an object is.

@@ -311,9 +311,17 @@ const OVERLAP_WEIGHT: u32 = 4;
 const MOST_WEIGHTED_PX: u32 = u32::MAX / (3 * 255 * 255);
 
 impl PreviousWeight {
+    /// Checks that blocks of this size can be matched with it.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when it is out of range.
+    pub fn check(self, block_px: u32) -> Result<()> {
+        self.units(block_px).map(drop)
+    }
+
     /// The weight against [`OVERLAP_WEIGHT`].
     fn units(self, block_px: u32) -> Result<u32> {
-        let most = (MOST_WEIGHTED_PX / (block_px * block_px) - OVERLAP_WEIGHT).min(12);
+        let most = (MOST_WEIGHTED_PX / (block_px * block_px).max(1)).saturating_sub(OVERLAP_WEIGHT).min(12);
         let units = f64::from(self.0) * f64::from(OVERLAP_WEIGHT);
         if units.fract() != 0.0 || units < 1.0 || units > f64::from(most) {
             let allowed = format!("0.25 to {} in steps of 0.25 for blocks of {block_px} px", f64::from(most) / 4.0);
@@ -492,9 +500,11 @@ impl Quilt {
         &self.source
     }
 
-    pub fn block_buffer(&self) -> &Buffer {
-        &self.blocks
+    /// The canvas of the synthesis before this one, where blocks match it.
+    pub(crate) fn previous(&self) -> Option<&Image> {
+        self.previous.as_ref()
     }
+
     /// What guides it.
     pub(crate) fn guide(&self) -> Option<&Image> {
         self.guide.as_ref().map(|guide| &guide.image)

@@ -74,7 +74,7 @@ pub struct RepairParams {
 
 impl Default for RepairParams {
     fn default() -> Self {
-        RepairParams { stretch: 1.25, slack: 0.5 }
+        RepairParams { stretch: 1.35, slack: 1.0 }
     }
 }
 

@@ -1,7 +1,7 @@
-//! Motion between two cameras, by values worked by hand.
+//! Motion between two moments, by values worked by hand.
 
 use impasto::metric::{Motion, Picture, Shades};
-use impasto::scene::{Camera, GuideOracle, Lights, Mesh, MeshOptions, Vec3};
+use impasto::scene::{Camera, GuideOracle, Lights, Mesh, MeshOptions, Moment, Pose, Vec3};
 
 const SIDE: u32 = 64;
 
@@ -21,11 +21,9 @@ fn wall_and_board() -> Mesh {
 #[test]
 fn what_stands_nearer_moves_further_and_hides_what_is_behind_it() {
     let mesh = wall_and_board();
-    let cameras = [camera(0.0, &mesh), camera(0.5, &mesh)];
-    let guides = cameras
-        .each_ref()
-        .map(|camera| GuideOracle::render(&mesh, camera, &Lights::default(), SIDE, SIDE).expect("a guide"));
-    let motion = Motion::between([&cameras[0], &cameras[1]], [&guides[0], &guides[1]]).expect("a motion");
+    let moments = [0.0, 0.5].map(|right| Moment::at_rest(camera(right, &mesh), Lights::default()));
+    let guides = moments.each_ref().map(|moment| GuideOracle::render(&mesh, moment, SIDE, SIDE).expect("a guide"));
+    let motion = Motion::between([&moments[0], &moments[1]], [&guides[0], &guides[1]]).expect("a motion");
     assert_eq!(motion.size(), (SIDE, SIDE));
     // Pixels to a unit of the world at a distance.
     let scale = |distance: f64| f64::from(SIDE) / (2.0 * distance * (22.5_f64).to_radians().tan());
@@ -53,10 +51,10 @@ fn what_stands_nearer_moves_further_and_hides_what_is_behind_it() {
     }
     assert!(hidden > 20, "{hidden}");
     assert_eq!(motion.pixel(SIDE, 0), None);
-    let still = Motion::between([&cameras[0], &cameras[0]], [&guides[0], &guides[0]]).expect("a motion");
+    let still = Motion::between([&moments[0], &moments[0]], [&guides[0], &guides[0]]).expect("a motion");
     assert!((0..SIDE).all(|x| still.pixel(x, 20) == Some((x, 20))));
-    let small = GuideOracle::render(&mesh, &cameras[1], &Lights::default(), 9, 9).expect("a guide");
-    assert!(Motion::between([&cameras[0], &cameras[1]], [&guides[0], &small]).is_err());
+    let small = GuideOracle::render(&mesh, &moments[1], 9, 9).expect("a guide");
+    assert!(Motion::between([&moments[0], &moments[1]], [&guides[0], &small]).is_err());
     file_gives_the_same(&motion);
 }
 
@@ -73,6 +71,35 @@ fn file_gives_the_same(motion: &Motion) {
     assert!(Motion::load(&coarse).expect_err("refused").to_string().contains("coarse.png: is no motion"));
     std::fs::write(&path, "text").expect("written");
     assert!(Motion::load(&path).expect_err("refused").to_string().contains("motion.png"));
+}
+
+#[test]
+fn an_object_that_moves_takes_its_pixels_along() {
+    let mesh = wall_and_board();
+    let still = Moment::at_rest(camera(0.0, &mesh), Lights::default());
+    // The board turns by half about the view axis and goes 0.5 back: each of its points goes to the other side of the
+    // middle, and further in, for it is 3.5 away instead of 3.
+    let pose = Pose::new(180.0, Vec3::Z, Vec3::ZERO, -0.5 * Vec3::Z).expect("a pose");
+    let moved = Moment { poses: vec![Pose::REST, pose], ..still.clone() };
+    let guides = [&still, &moved].map(|m| GuideOracle::render(&mesh, m, SIDE, SIDE).expect("a guide"));
+    let motion = Motion::between([&still, &moved], [&guides[0], &guides[1]]).expect("a motion");
+    let mut seen = 0;
+    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+        let to = motion.pixel(x, y);
+        if guides[0].id[(y * SIDE + x) as usize] == 2 {
+            let across = |at: u32| {
+                let middle = f64::from(SIDE) / 2.0;
+                middle - (f64::from(at) + 0.5 - middle) * 3.0 / 3.5 - 0.5
+            };
+            let (tx, ty) = to.expect("all of it is shown");
+            let off = (f64::from(tx) - across(x)).abs().max((f64::from(ty) - across(y)).abs());
+            assert!(off <= 0.51, "{x}, {y}: {tx}, {ty}");
+            seen += 1;
+        } else {
+            assert!(to.is_none_or(|to| to == (x, y)), "the wall stands");
+        }
+    }
+    assert!(seen > 200, "{seen}");
 }
 
 #[test]

@@ -165,7 +165,7 @@ fn aligned_texture_repeats_without_a_seam_and_keeps_its_contrast_between_levels(
         runner
             .run(|recorder| {
                 uploads.record(recorder);
-                pass.record(recorder, &camera, &lit(shade))?;
+                pass.record(recorder, &Moment::at_rest(camera, lit(shade)))?;
                 technique.record(recorder, &frame)
             })
             .expect("run");

@@ -87,11 +87,12 @@ fn dependent_frames_have_no_gaps_and_move_without_a_jump() {
         let camera =
             Camera::framing(&mesh, &Framing { yaw_deg, pitch_deg, ..Default::default() }, 1.0).expect("a camera");
         let (_, shade, id) = guide(&gpu, &mut runner, &mesh, &camera, &lights, (160, 160));
-        runner.run(|recorder| technique.record(recorder, &camera, &lights, Show::Color)).expect("run");
+        let moment = Moment::at_rest(camera, lights.clone());
+        runner.run(|recorder| technique.record(recorder, &moment, Show::Color)).expect("run");
         let want = coloured(&trajectory, &shade, &id);
         let off = share_off(&rgba(&mut runner, technique.frame()), &want, 2);
         assert!(off < 0.003, "{yaw_deg}, {pitch_deg}: {off} of the pixels are off, or missing");
-        runner.run(|recorder| technique.record(recorder, &camera, &lights, Show::Texture)).expect("run");
+        runner.run(|recorder| technique.record(recorder, &moment, Show::Texture)).expect("run");
         let frame = rgba(&mut runner, technique.frame());
         let spread = deviation(frame.iter().filter(|p| p[3] == 255).map(|p| f64::from(p[1])));
         // From below most of it is dark, where the strip is quiet.
@@ -103,7 +104,8 @@ fn dependent_frames_have_no_gaps_and_move_without_a_jump() {
     for step in 0..120 {
         let framing = Framing { yaw_deg: step as f32 * 0.5, distance: Some(4.5), ..Default::default() };
         let camera = Camera::framing(&mesh, &framing, 1.0).expect("a camera");
-        runner.run(|recorder| technique.record(recorder, &camera, &lights, Show::Texture)).expect("run");
+        let moment = Moment::at_rest(camera, lights.clone());
+        runner.run(|recorder| technique.record(recorder, &moment, Show::Texture)).expect("run");
         let frame = rgba(&mut runner, technique.frame());
         if let Some(before) = before.replace(frame.clone()) {
             let both = before.iter().zip(&frame).filter(|(a, b)| a[3] == 255 && b[3] == 255);
@@ -116,7 +118,8 @@ fn dependent_frames_have_no_gaps_and_move_without_a_jump() {
     eprintln!("mean change of a step: median {median:.2}, most {most:.2}");
     assert!(most < 2.0 * median, "a step of {most} among steps of {median}");
     let camera = Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera");
-    runner.run(|recorder| technique.record(recorder, &camera, &lights, Show::Painted)).expect("run");
+    let moment = Moment::at_rest(camera, lights.clone());
+    runner.run(|recorder| technique.record(recorder, &moment, Show::Painted)).expect("run");
     assert_golden("dependent_head", &rgba(&mut runner, technique.frame()), (160, 160), 0.1);
     // Where one slice has nearly all, as from its own direction, blending is nearly that slice alone.
     let directions: Vec<Vec3> = covered.slices.iter().map(|slice| slice.direction).collect();
@@ -189,7 +192,8 @@ fn dependent_texture_equals_a_ray_at_a_time() {
         let framing = Framing { yaw_deg, pitch_deg, ..Default::default() };
         let aspect = width as f32 / height as f32;
         let camera = Camera::framing(&mesh, &framing, aspect).expect("a camera");
-        runner.run(|recorder| technique.record(recorder, &camera, &lights, Show::Texture)).expect("run");
+        let moment = Moment::at_rest(camera, lights.clone());
+        runner.run(|recorder| technique.record(recorder, &moment, Show::Texture)).expect("run");
         let frame = rgba(&mut runner, technique.frame());
         let from = (camera.eye() - mesh.bounding_sphere().center).normalize();
         let inverse = camera.view_projection(aspect).expect("a projection").inverse();

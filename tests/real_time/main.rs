@@ -10,7 +10,7 @@ use common::{noise, Validated};
 use glam::Vec4;
 use impasto::gpu::{Image, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-use impasto::scene::{Camera, DirectionalLight, Framing, GuidePass, Lights, Mesh, MeshOptions, Vec3};
+use impasto::scene::{Camera, DirectionalLight, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, Pose, Vec3};
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
@@ -124,7 +124,7 @@ fn guide(
     runner
         .run(|recorder| {
             uploads.record(recorder);
-            pass.record(recorder, camera, lights)
+            pass.record(recorder, &Moment::at_rest(*camera, lights.clone()))
         })
         .expect("run");
     let shade = bytemuck::pod_collect_to_vec(&runner.read_image(pass.shade()).expect("shade"));
@@ -164,6 +164,7 @@ fn every_technique_keeps_the_order_of_shades() {
     let size = (160, 160);
     let (camera, lights) = (Camera::framing(&mesh, &Framing::default(), 1.0).expect("a camera"), Lights::default());
     let (pass, shade, id) = guide(&gpu, &mut runner, &mesh, &camera, &lights, size);
+    let moment = Moment::at_rest(camera, lights);
     let (texture, trajectory) = strip("strip_red_yellow.png");
     let paints = [Paint { texture: &texture, trajectory: &trajectory }];
     let mut uploads = Uploads::default();
@@ -180,14 +181,85 @@ fn every_technique_keeps_the_order_of_shades() {
     runner
         .run(|recorder| {
             uploads.record(recorder);
-            object.record(recorder, &camera, &lights, ShadeRange::default(), Show::Painted)?;
+            object.record(recorder, &moment, ShadeRange::default(), Show::Painted)?;
             aligned.record(recorder, &AlignedFrame::default())?;
-            views.record(recorder, &camera, &lights, Show::Painted)
+            views.record(recorder, &moment, Show::Painted)
         })
         .expect("run");
     for (name, frame) in [("object", object.frame()), ("aligned", aligned.frame()), ("dependent", views.frame())] {
         let light = luminance_by_shade(&rgba(&mut runner, frame), &shade, &id);
         assert!(light.len() >= 7 && light.windows(2).all(|pair| pair[0] < pair[1]), "{name}: {light:?}");
+    }
+}
+
+#[test]
+fn paint_goes_with_an_object_that_turns() {
+    let gpu = Validated::new();
+    let mut runner = gpu.runner();
+    let mesh = model("teapot_on_table.obj");
+    let size = (160, 120);
+    let (texture, trajectory) = strip("strip_red_yellow.png");
+    let (_, other) = strip("strip_green_yellow.png");
+    let paints =
+        [Paint { texture: &texture, trajectory: &trajectory }, Paint { texture: &texture, trajectory: &other }];
+    let mut uploads = Uploads::default();
+    let guides = GuidePass::new(&gpu.context, &mut uploads, &mesh, size).expect("guides");
+    let params = ObjectParams::default();
+    let object = ObjectTechnique::new(&gpu.context, &mut uploads, &mesh, size, &paints, &[0, 1], &params).expect("new");
+    let covered = ViewCoverage::run(&gpu.context, &mut runner, &mesh, &VIEWS, 512).expect("covered");
+    let params = DependentParams { k: Some(0.5), ..Default::default() };
+    let views = dependent_technique(&gpu, &mut runner, &mesh, &covered, size, &paints, &[0, 1], &params);
+    for part in views.preparation_parts(400_000_000) {
+        runner.run(|recorder| views.record_preparation(recorder, &part, 1)).expect("run");
+    }
+    let mut draw = |moment: &Moment| {
+        runner
+            .run(|recorder| {
+                uploads.record(recorder);
+                guides.record(recorder, moment)?;
+                object.record(recorder, moment, ShadeRange::default(), Show::Painted)?;
+                views.record(recorder, moment, Show::Painted)
+            })
+            .expect("run");
+        let id: Vec<u32> = bytemuck::pod_collect_to_vec(&runner.read_image(guides.id()).expect("id"));
+        let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&runner.read_image(guides.depth()).expect("depth"));
+        (id, depth, [rgba(&mut runner, object.frame()), rgba(&mut runner, views.frame())])
+    };
+
+    // All of it turned, and eye and light with it, is the same picture.
+    let center = mesh.bounding_sphere().center;
+    let (axis, way) = (Vec3::new(0.2, 1.0, -0.1), Vec3::new(0.3, -0.2, 0.5));
+    let pose = Pose::new(70.0, axis, center, way).expect("a pose");
+    let moved = |p: Vec3| pose.matrix().as_mat4().transform_point3(p);
+    let turned = |d: Vec3| pose.matrix().as_mat4().transform_vector3(d);
+    let aspect = size.0 as f32 / size.1 as f32;
+    let camera = Camera::framing(&mesh, &Framing::default(), aspect).expect("a camera");
+    let with_it = Camera::look_at(moved(camera.eye()), moved(camera.target()), Some(turned(camera.up())), 30.0);
+    let light = turned(Lights::default().mean_direction());
+    let lights = Lights::new([DirectionalLight::new(light, 1.0).expect("a light")]).expect("lights");
+    let still = draw(&Moment::at_rest(camera, Lights::default()));
+    let moment =
+        Moment { poses: vec![pose; 2], ..Moment::at_rest(with_it.expect("a camera"), lights) }.fit_depth(&mesh);
+    let all = draw(&moment);
+    for (name, (a, b)) in ["object", "dependent"].iter().zip(still.2.iter().zip(&all.2)) {
+        let off = share_off(a, b, 4);
+        assert!(off < 0.01, "{name}: {off} of the pixels differ");
+    }
+    assert!(share_off(&all.2[0], &all.2[1], 4) > 0.1, "the paint is worth comparing");
+
+    // One turned and the other not: each is as where both do what it does.
+    let camera = camera.moved_away(1.5).expect("a camera");
+    let camera = Moment { poses: vec![pose], ..Moment::at_rest(camera, Lights::default()) }.fit_depth(&mesh).camera;
+    let at = |poses: &[Pose]| Moment { poses: poses.to_vec(), ..Moment::at_rest(camera, Lights::default()) };
+    let [rest, both, one] = [at(&[]), at(&[pose; 2]), at(&[pose])].map(|moment| draw(&moment));
+    let pixels = size.0 as usize * size.1 as usize;
+    for (id, from) in [(1, &both), (2, &rest)] {
+        let same: Vec<usize> =
+            (0..pixels).filter(|&i| one.0[i] == id && from.0[i] == id && one.1[i] == from.1[i]).collect();
+        assert!(same.len() > 300, "{} pixels of object {id}", same.len());
+        for technique in 0..2 {
+            assert!(same.iter().all(|&i| one.2[technique][i] == from.2[technique][i]), "{id}, {technique}");
+        }
     }
 }
 

@@ -22,7 +22,7 @@ fn object_frame(
             runner
                 .run(|recorder| {
                     uploads.record(recorder);
-                    technique.record(recorder, &camera, lights, ShadeRange::default(), *show)
+                    technique.record(recorder, &Moment::at_rest(camera, lights.clone()), ShadeRange::default(), *show)
                 })
                 .expect("run");
             rgba(runner, technique.frame())

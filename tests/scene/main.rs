@@ -1,8 +1,12 @@
-//! The scene: meshes, cameras, light, and the plain rasteriser, against values worked out by hand and properties.
+//! The scene: meshes, cameras, light, and the plain rasteriser, against values worked out by hand and properties; motion
+//! on the GPU against the plain one.
 
 mod camera;
+#[path = "../common/mod.rs"]
+mod common;
 mod light;
 mod mesh;
+mod motion;
 mod odd_models;
 mod oracle;
 

@@ -1,13 +1,14 @@
 //! The plain rasteriser, against geometry that can be worked out by hand.
 
 use impasto::scene::{
-    Camera, DirectionalLight, Framing, Guide, GuideOracle, Lights, Mesh, MeshOptions, Object, Vec3, MAX_GUIDE_SIDE_PX,
+    Camera, DirectionalLight, Framing, Guide, GuideOracle, Lights, Mesh, MeshOptions, Moment, Object, Vec3,
+    MAX_GUIDE_SIDE_PX,
 };
 
 use crate::{mesh, sphere};
 
 fn render(mesh: &Mesh, camera: &Camera, width: u32, height: u32) -> Guide {
-    GuideOracle::render(mesh, camera, &Lights::default(), width, height).expect("a guide")
+    GuideOracle::render(mesh, &Moment::at_rest(*camera, Lights::default()), width, height).expect("a guide")
 }
 
 /// A camera at distance 8 that sees the square from -4 to 4 in the plane z = 0: with 8x8 pixels, one unit each.
@@ -109,7 +110,7 @@ fn the_back_of_a_triangle_is_lit_as_a_back() {
     let behind = Camera::look_at(Vec3::new(0.0, 0.0, -8.0), Vec3::ZERO, None, front.fov_y_deg()).expect("a camera");
     let lights = Lights::from(DirectionalLight::new(Vec3::new(0.0, 0.6, 0.8), 1.0).expect("a light"));
     for (camera, shade) in [(front, 0.9), (behind, 0.1)] {
-        let guide = GuideOracle::render(&triangle, &camera, &lights, 9, 9).expect("a guide");
+        let guide = GuideOracle::render(&triangle, &Moment::at_rest(camera, lights.clone()), 9, 9).expect("a guide");
         assert_eq!(guide.id[4 * 9 + 4], 1);
         assert!((guide.shade[4 * 9 + 4] - shade).abs() < 1e-6);
         assert_eq!((guide.shade[0], guide.id[0], guide.depth[0]), (0.0, 0, 1.0));
@@ -125,7 +126,8 @@ fn floor() -> Mesh {
 fn a_slanted_floor_is_clipped_and_interpolated_in_perspective() {
     let camera = Camera::look_at(Vec3::ZERO, -Vec3::Z, None, 90.0).expect("a camera");
     let (width, height) = (16, 200);
-    let guide = GuideOracle::render(&floor(), &camera, &Lights::default(), width, height).expect("a guide");
+    let guide =
+        GuideOracle::render(&floor(), &Moment::at_rest(camera, Lights::default()), width, height).expect("a guide");
     let aspect = width as f32 / height as f32;
     let (mut seen, mut sky) = (0, 0);
     for y in 0..height {
@@ -180,7 +182,7 @@ fn sides_out_of_range_are_refused_and_a_single_pixel_is_not() {
     let ball = sphere(8, 1.0);
     let camera = Camera::framing(&ball, &Framing::default(), 1.0).expect("a camera");
     for (width, height) in [(0, 1), (1, 0), (MAX_GUIDE_SIDE_PX + 1, 1)] {
-        assert!(GuideOracle::render(&ball, &camera, &Lights::default(), width, height).is_err());
+        assert!(GuideOracle::render(&ball, &Moment::at_rest(camera, Lights::default()), width, height).is_err());
     }
     assert_eq!(render(&ball, &camera, 1, 1).id, [1]);
 }

@@ -4,7 +4,7 @@
 //! shows whole, with further views until every face is shown by some; [`DependentTechnique`] then synthesises a texture
 //! for each view by guided quilting, as the image-based technique does for a picture, and stacks them into one 3D
 //! image. A face's place in a slice is where the slice's view shows it. Drawn for every frame: which slices each set of
-//! faces takes; a render pass over the mesh, for shade, set and distance of every pixel; and a pass over its pixels,
+//! an object's faces takes; a render pass over the mesh, for shade, set and distance of every pixel; and a pass over its pixels,
 //! which finds the surface's point by the distance and blends the slices. So what is dear is done once for a pixel,
 //! however small the triangles are and however many lie behind one another.
 //!
@@ -31,7 +31,7 @@ use crate::gpu::{
     RasterShader, Recorder, Sampler, Shader, Uploads, VertexAttribute,
 };
 use crate::paint::Trajectory;
-use crate::scene::{Camera, Lights, Mesh, MeshDesc, MeshPass, Vec3};
+use crate::scene::{Camera, Lights, Mesh, MeshDesc, MeshPass, Moment, ObjectRows, Run, Vec3};
 use crate::synthesis::params::QuiltParams;
 use crate::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use crate::synthesis::volume::{SliceCopy, Volume};
@@ -52,6 +52,7 @@ pub(crate) const DEPENDENT_BLEND: Shader = Shader {
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeWrite),
     ],
     push_bytes: size_of::<BlendPush>() as u32,
@@ -84,6 +85,7 @@ pub(crate) const DEPENDENT: RasterShader = RasterShader {
         BindingKind::Image(Access::FragmentRead),
         BindingKind::Sampled(Access::FragmentSampled),
         BindingKind::Image(Access::FragmentRead),
+        BindingKind::Image(Access::FragmentRead),
     ],
     push_bytes: size_of::<Push>() as u32,
 };
@@ -91,7 +93,6 @@ pub(crate) const DEPENDENT: RasterShader = RasterShader {
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct BlendPush {
-    direction: [f32; 4],
     sets: u32,
 }
 
@@ -105,7 +106,7 @@ struct FeatherPush {
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct MeshPush {
-    view_projection: [f32; 16],
+    to_clip: [f32; 16],
     light: [f32; 4],
 }
 
@@ -185,11 +186,12 @@ pub struct DependentTechnique {
     volume: Volume,
     colors: ColorTable,
     center: Vec3,
+    /// For each object the rows that take world space to the mesh's, and the direction that it is seen from.
+    objects: ObjectRows<4>,
     sets: u32,
     blend_stage: ComputePipeline,
     blend_set: BindingSet,
     mesh: MeshPass,
-    index_count: u32,
     pass: PicturePass,
     frame: Image,
     set: BindingSet,
@@ -239,12 +241,13 @@ impl DependentTechnique {
         )?;
         let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
 
-        let (set_of_face, sets) = sets_with_paint(mesh, covered, paint_of_object);
+        let (set_of_face, sets) = sets_by_object(mesh, covered);
         // The slices of every set, one list after the other, and the slices' directions and projections.
         let mut lists: Vec<u32> = Vec::new();
         let mut starts: Vec<[u32; 2]> = Vec::with_capacity(sets.len() + 1);
-        for &(set, paint) in &sets {
-            starts.push([lists.len() as u32, paint]);
+        for &(set, object) in &sets {
+            let paint = paint_of_object.get(object as usize).copied().unwrap_or_default();
+            starts.push([lists.len() as u32, paint | object << 16]);
             lists.extend(covered.sets.get(set as usize).into_iter().flatten().map(|&slice| u32::from(slice)));
         }
         starts.push([lists.len() as u32, 0]);
@@ -270,7 +273,8 @@ impl DependentTechnique {
         let projections = Image::new(context, "projections", &desc)?;
         uploads.image(context, &projections, bytemuck::cast_slice(&rows))?;
         let blend_stage = ComputePipeline::new(context, &DEPENDENT_BLEND)?;
-        let bound = [(&starts).into(), (&lists).into(), (&directions).into(), (&blends).into()];
+        let objects = ObjectRows::new(context, "dependent_objects", mesh.objects().len())?;
+        let bound = [(&starts).into(), (&lists).into(), (&directions).into(), objects.image().into(), (&blends).into()];
         let blend_set = BindingSet::new(context, &blend_stage, &bound)?;
 
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
@@ -303,6 +307,7 @@ impl DependentTechnique {
             (&projections).into(),
             (volume.image(), &sampler).into(),
             colors.image().into(),
+            objects.image().into(),
         ];
         let set = BindingSet::new(context, pass.pipeline(), &bound)?;
         Ok(DependentTechnique {
@@ -311,11 +316,11 @@ impl DependentTechnique {
             volume,
             colors,
             center: mesh.bounding_sphere().center,
+            objects,
             sets,
             blend_stage,
             blend_set,
             mesh: mesh_pass,
-            index_count: list.len() as u32,
             pass,
             frame,
             set,
@@ -385,15 +390,18 @@ impl DependentTechnique {
     ///
     /// # Errors
     /// [`Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
-    pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, lights: &Lights, show: Show) -> Result<()> {
-        let view_projection = self.mesh.view_projection(camera)?;
-        let rays = rays(camera, self.frame().size_px())?;
-        // An eye at the very middle of the model has no direction but the one that it looks along.
-        let direction = (camera.eye() - self.center).try_normalize().unwrap_or(-camera.forward());
-        let push = BlendPush { direction: direction.extend(0.0).to_array(), sets: self.sets };
+    pub fn record(&self, recorder: &mut Recorder<'_>, moment: &Moment, show: Show) -> Result<()> {
+        let runs = self.mesh.runs(moment, |_| ())?;
+        let rays = rays(&moment.camera, self.frame().size_px())?;
+        self.objects.record(recorder, |object| self.object_rows(moment, object));
+        let push = BlendPush { sets: self.sets };
         recorder.dispatch(&self.blend_stage, &self.blend_set, &push, [self.sets.div_ceil(64), 1, 1]);
-        let push = MeshPush { view_projection, light: lights.mean_direction().extend(0.0).to_array() };
-        self.mesh.record(recorder, camera, &[Draw { set: None, push, range: 0..self.index_count }]);
+        let draw = |run: Run<()>| Draw {
+            set: None,
+            push: MeshPush { to_clip: run.to_clip, light: run.light },
+            range: run.range,
+        };
+        self.mesh.record(recorder, moment, &runs.into_iter().map(draw).collect::<Vec<_>>());
         let push = Push {
             rays,
             range: self.params.range.to_array(),
@@ -403,6 +411,16 @@ impl DependentTechnique {
         };
         self.pass.record(recorder, &[(&self.set, push)]);
         Ok(())
+    }
+
+    fn object_rows(&self, moment: &Moment, object: usize) -> [[f32; 4]; 4] {
+        let (pose, camera) = (moment.pose(object), &moment.camera);
+        // An eye at the very middle of the model has no direction but the one that it looks along.
+        let direction = (pose.point_to_object(camera.eye()) - self.center).try_normalize();
+        let direction = direction.unwrap_or(-pose.to_object(camera.forward()));
+        let to_object = pose.matrix().inverse().as_mat4();
+        let [x, y, z] = [0, 1, 2].map(|row| to_object.row(row).to_array());
+        [x, y, z, direction.extend(0.0).to_array()]
     }
 
     /// Stages other colours for one of the paints. Texture stays as it is.
@@ -440,19 +458,21 @@ impl DependentTechnique {
     }
 }
 
-/// The set and paint of every face as one number, and what each number stands for.
-fn sets_with_paint(mesh: &Mesh, covered: &Covered, paint_of_object: &[u32]) -> (Vec<u32>, Vec<(u32, u32)>) {
+/// The set and object of every face as one number, and what each number stands for. Objects share none, for each may be
+/// turned in a way of its own and so be seen from another side.
+fn sets_by_object(mesh: &Mesh, covered: &Covered) -> (Vec<u32>, Vec<(u32, u32)>) {
     let mut sets: Vec<(u32, u32)> = Vec::new();
     let mut numbers: HashMap<(u32, u32), u32> = HashMap::new();
-    let paints = mesh.objects().iter().zip(paint_of_object);
-    let paint_of_face = paints.flat_map(|(object, &paint)| std::iter::repeat_n(paint, object.index_count as usize / 3));
-    let number = |(&set, paint): (&u32, u32)| {
-        *numbers.entry((set, paint)).or_insert_with(|| {
-            sets.push((set, paint));
+    let objects = (0..).zip(mesh.objects());
+    let object_of_face =
+        objects.flat_map(|(number, object)| std::iter::repeat_n(number, object.index_count as usize / 3));
+    let number = |(&set, object): (&u32, u32)| {
+        *numbers.entry((set, object)).or_insert_with(|| {
+            sets.push((set, object));
             sets.len() as u32 - 1
         })
     };
-    let of_face = covered.set_of_face.iter().zip(paint_of_face).map(number).collect();
+    let of_face = covered.set_of_face.iter().zip(object_of_face).map(number).collect();
     (of_face, sets)
 }
 

@@ -60,6 +60,28 @@ pub(crate) const IMAGE_RECOMBINE: Shader = Shader {
     push_bytes: size_of::<RecombinePush>() as u32,
 };
 
+pub(crate) const IMAGE_BLEND: Shader = Shader {
+    name: "image_blend",
+    spirv: include_bytes!("../../../glsl/spirv/technique/image_blend.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<BlendPush>() as u32,
+};
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct BlendPush {
+    paint: u32,
+    show: u32,
+    blend: f32,
+}
+
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(super) struct GuidePush {
@@ -125,6 +147,8 @@ struct Layer {
     sample: SampleTexels,
     quilt: Quilt,
     recombine_set: BindingSet,
+    /// With [`ImageParams::previous`] only.
+    blend_set: Option<BindingSet>,
 }
 
 /// The technique, prepared for a scene's guides and its paints.
@@ -132,6 +156,7 @@ pub struct ImageTechnique {
     params: ImageParams,
     guide_stage: ComputePipeline,
     recombine_stage: ComputePipeline,
+    blend_stage: ComputePipeline,
     guide_set: BindingSet,
     tone: Image,
     guide: Image,
@@ -169,6 +194,7 @@ impl ImageTechnique {
         let objects = paint_picture(context, uploads, paint_of_object)?;
         let guide_stage = ComputePipeline::new(context, &IMAGE_GUIDE)?;
         let recombine_stage = ComputePipeline::new(context, &IMAGE_RECOMBINE)?;
+        let blend_stage = ComputePipeline::new(context, &IMAGE_BLEND)?;
         let (shade, id) = (guides.shade(), guides.id());
         let bind = |stage, bound: &[_]| BindingSet::new(context, stage, bound);
         let guide_set =
@@ -196,12 +222,18 @@ impl ImageTechnique {
                     (&frame).into(),
                 ],
             )?;
-            layers.push(Layer { sample, quilt, recombine_set });
+            let blend = |previous: &Image| {
+                let images = [&tone, &guide, previous, quilt.canvas(), colors.image(), &frame];
+                BindingSet::new(context, &blend_stage, &images.map(Into::into))
+            };
+            let blend_set = quilt.previous().map(blend).transpose()?;
+            layers.push(Layer { sample, quilt, recombine_set, blend_set });
         }
         Ok(ImageTechnique {
             params: *params,
             guide_stage,
             recombine_stage,
+            blend_stage,
             guide_set,
             tone,
             guide,
@@ -253,7 +285,7 @@ impl ImageTechnique {
         let Some(carry) = &self.carry else {
             return self.record(recorder, seed, frame);
         };
-        self.record_part(recorder, &ImagePart(Part::Guide), seed, frame);
+        self.record_guide(recorder);
         carry.record(recorder, self.quilts(), seed, frame);
         self.record_recombine(recorder, Show::Painted);
     }
@@ -268,12 +300,7 @@ impl ImageTechnique {
     /// Records one part; the parts of a frame must be recorded in order.
     pub fn record_part(&self, recorder: &mut Recorder<'_>, part: &ImagePart, seed: u32, frame: u32) {
         match &part.0 {
-            Part::Guide => {
-                let [width, height, _] = self.tone.size_px();
-                let groups = [width.div_ceil(16), height.div_ceil(8), 1];
-                let push = GuidePush { range: self.params.range.to_array() };
-                recorder.dispatch(&self.guide_stage, &self.guide_set, &push, groups);
-            }
+            Part::Guide => self.record_guide(recorder),
             Part::Quilt(layer, steps) => {
                 if let Some(layer) = self.layers.get(*layer) {
                     layer.quilt.record_part(recorder, steps.clone(), seed, frame);
@@ -281,6 +308,34 @@ impl ImageTechnique {
             }
             Part::Recombine => self.record_recombine(recorder, Show::Painted),
         }
+    }
+
+    /// Records the first stage alone, for a frame that is drawn by [`ImageTechnique::record_blend`].
+    pub fn record_guide(&self, recorder: &mut Recorder<'_>) {
+        let [width, height, _] = self.tone.size_px();
+        let push = GuidePush { range: self.params.range.to_array() };
+        recorder.dispatch(&self.guide_stage, &self.guide_set, &push, [width.div_ceil(16), height.div_ceil(8), 1]);
+    }
+
+    /// Records a frame between the last two textures that were synthesised, with colours by the guide that was recorded
+    /// last (thesis chapter 6: new texture for every n-th frame, blended in between); `blend` is 0 for the earlier and 1 for
+    /// the later. For techniques with [`ImageParams::previous`].
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] without it, or for a blend outside of 0..=1; nothing is recorded then.
+    pub fn record_blend(&self, recorder: &mut Recorder<'_>, blend: f32, show: Show) -> Result<()> {
+        if !(0.0..=1.0).contains(&blend) {
+            return Err(Error::parameter("blend", blend, "0 to 1"));
+        }
+        let [width, height, _] = self.tone.size_px();
+        for (number, layer) in (1..).zip(&self.layers) {
+            let Some(set) = &layer.blend_set else {
+                return Err(Error::parameter("previous", "none", "a weight, for blending to know the texture before"));
+            };
+            let push = BlendPush { paint: number, show: show as u32, blend };
+            recorder.dispatch(&self.blend_stage, set, &push, [width.div_ceil(16), height.div_ceil(8), 1]);
+        }
+        Ok(())
     }
 
     /// Records the frame's drawing alone: enough after [`ImageTechnique::set_trajectory`], and to see colour or texture

@@ -2,7 +2,7 @@
 //!
 //! Prepared once: a coordinate t for every vertex ([`texture_coordinates`]), spread over the surface from neighbour to
 //! neighbour, and the strip's texture, made to repeat along t. Drawn for every frame: one render pass over the mesh,
-//! with the light's shade as s; so lights may move, and marks stay on their lines of t.
+//! with the light's shade as s; so lights and objects may move, and marks stay on their lines of t.
 //!
 //! # Where the paint is lost, and what keeps it
 //!
@@ -26,10 +26,9 @@ use crate::gpu::{
     VertexAttribute,
 };
 use crate::paint::{TextureDifference, Trajectory};
-use crate::scene::{Camera, Lights, Mesh, MeshDesc, MeshPass};
+use crate::scene::{Mesh, MeshDesc, MeshPass, Moment, Run};
 use crate::Result;
 use ash::vk;
-use std::ops::Range;
 
 pub(crate) const OBJECT: RasterShader = RasterShader {
     name: "object",
@@ -42,7 +41,7 @@ pub(crate) const OBJECT: RasterShader = RasterShader {
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Push {
-    view_projection: [f32; 16],
+    to_clip: [f32; 16],
     light: [f32; 4],
     range: [f32; 2],
     density: f32,
@@ -94,8 +93,7 @@ pub struct ObjectTechnique {
     colors: ColorTable,
     /// The resources of each paint.
     sets: Vec<BindingSet>,
-    /// Runs of indices with their paint.
-    runs: Vec<(Range<u32>, usize)>,
+    paint_of_object: Vec<u32>,
 }
 
 impl ObjectTechnique {
@@ -157,7 +155,7 @@ impl ObjectTechnique {
         }
         Ok(ObjectTechnique {
             density: density(mesh, &params.coordinates)?,
-            runs: runs(mesh, paint_of_object),
+            paint_of_object: paint_of_object.to_vec(),
             mesh: pass,
             frame,
             colors,
@@ -169,33 +167,21 @@ impl ObjectTechnique {
     ///
     /// # Errors
     /// [`crate::Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
-    pub fn record(
-        &self,
-        recorder: &mut Recorder<'_>,
-        camera: &Camera,
-        lights: &Lights,
-        range: ShadeRange,
-        show: Show,
-    ) -> Result<()> {
-        let view_projection = self.mesh.view_projection(camera)?;
-        let light = lights.mean_direction().extend(0.0).to_array();
-        let draws: Vec<Draw<'_, Push>> = self
-            .runs
-            .iter()
-            .map(|(indices, paint)| Draw {
-                set: self.sets.get(*paint),
-                push: Push {
-                    view_projection,
-                    light,
-                    range: range.to_array(),
-                    density: self.density,
-                    paint: *paint as u32,
-                    show: show as u32,
-                },
-                range: indices.clone(),
-            })
-            .collect();
-        self.mesh.record(recorder, camera, &draws);
+    pub fn record(&self, recorder: &mut Recorder<'_>, moment: &Moment, range: ShadeRange, show: Show) -> Result<()> {
+        let runs = self.mesh.runs(moment, |object| self.paint_of_object.get(object).copied().unwrap_or_default())?;
+        let draw = |run: Run<u32>| Draw {
+            set: self.sets.get(run.kind as usize),
+            push: Push {
+                to_clip: run.to_clip,
+                light: run.light,
+                range: range.to_array(),
+                density: self.density,
+                paint: run.kind,
+                show: show as u32,
+            },
+            range: run.range,
+        };
+        self.mesh.record(recorder, moment, &runs.into_iter().map(draw).collect::<Vec<_>>());
         Ok(())
     }
 
@@ -218,20 +204,6 @@ impl ObjectTechnique {
     pub fn frame(&self) -> &Image {
         &self.frame
     }
-}
-
-/// The runs of indices that one paint covers: objects side by side with the same paint are one run.
-fn runs(mesh: &Mesh, paint_of_object: &[u32]) -> Vec<(Range<u32>, usize)> {
-    let mut runs: Vec<(Range<u32>, usize)> = Vec::new();
-    for (object, &paint) in mesh.objects().iter().zip(paint_of_object) {
-        let indices = object.first_index..object.first_index + object.index_count;
-        match runs.last_mut() {
-            Some((run, last)) if *last == paint as usize => run.end = indices.end,
-            _ => runs.push((indices, paint as usize)),
-        }
-    }
-    runs.retain(|(run, _)| !run.is_empty());
-    runs
 }
 
 fn strip_image(context: &Context, uploads: &mut Uploads, texture: &TextureDifference) -> Result<Image> {
