@@ -1,10 +1,10 @@
 #version 450
-// Where each pixel's surface was in the previous frame, if that frame showed it (thesis 9.3: coherence in object space).
+// Where each pixel's surface was in the previous frame, and whether that frame showed it (thesis 9.3: coherence in object space).
 // In:  ID and depth now and then; for object i, in columns 3 * (i % 1024) to + 2 and row i / 1024, the rows that take a
 //      place now, (x, y, 1 - depth, 1) of clip space, to x, y and w of clip space then, by the distance now.
-// Out: x in the low and y in the high half of a word, each 32,768 + 64 times the pixels of the way to the place then.
-//      Where nothing is now, or what is was not shown, the 0 that the image was cleared to stays: on lavapipe a store
-//      costs more than all the arithmetic.
+// Out: a word of two times 15 bits, x low, each 16,384 + 64 times the pixels of the way to the place then, and the highest
+//      bit where that frame showed it. Where nothing is now, or the way is longer, the 0 that the image was cleared to
+//      stays: on lavapipe a store costs more than all the arithmetic.
 //
 // Far from the eye depths crowd just below 1, where 1 - depth is exact. Distances along the view axis are linear in it.
 
@@ -61,9 +61,9 @@ void main() {
     vec3 apart = seen - vec3(there.xy, 1.0) * (nearness / dot(push.nearness_then, there));
     apart.xy *= push.half_view;
     bool shown = inside && imageLoad(id_then, q).r == id && dot(apart, apart) <= push.same * push.same;
-    vec2 way = floor(64.0 * (then - vec2(p)) + 0.5) + 32768.0;
-    bool fits = all(greaterThanEqual(way, vec2(0.0))) && all(lessThanEqual(way, vec2(65535.0)));
-    if (shown && fits) {
-        imageStore(motion, p, uvec4(uint(way.x) | uint(way.y) << 16));
+    vec2 way = floor(64.0 * (then - vec2(p)) + 0.5) + 16384.0;
+    bool fits = all(greaterThanEqual(way, vec2(0.0))) && all(lessThan(way, vec2(32768.0))) && seen.z > 0.0;
+    if (fits) {
+        imageStore(motion, p, uvec4(uint(way.x) | uint(way.y) << 15 | (shown ? 0x80000000u : 0u)));
     }
 }

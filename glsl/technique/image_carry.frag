@@ -6,9 +6,11 @@
 // where it was exactly, by the differences between places that lie there already: places are linear within a piece of
 // texture, so nothing is lost by this however often it is done, and no colour is ever mixed. The differences also tell how
 // far the texture is stretched. A surface that comes into
-// sight at an outline takes what lies beside it, as if the texture went on there.
-// In:  guide, motion (0 where the last frame did not show the surface; else where it was, 32,768 + 64 times the pixels, x in the
-//      low half), the last frame's places, the paint's 8-bit sample.
+// sight takes what lies beside it and moves as it does, as if the texture went on there; what it was hidden by moves
+// otherwise.
+// In:  guide, motion (where the surface was in the last frame, twice 15 bits, x low, 16,384 + 64 times the pixels; the
+//      highest bit where that frame showed it; 0 where nothing is known), the last frame's places, the paint's 8-bit
+//      sample.
 // Out: carried places and the canvas that repairs start from, for the pixels of one paint. Integer arithmetic throughout.
 #extension GL_GOOGLE_include_directive : require
 #include "../synthesis/carried.glsl"
@@ -30,15 +32,22 @@ layout(location = 0) out uvec4 carried;
 layout(location = 1) out uint canvas;
 
 // Steps of a pixel in the motion are those of a texel in places.
-const int REST = 32768;
+const int REST = 16384;
+const uint SHOWN = 0x80000000u;
 
-// How far, in pixels, texture grows over a surface that comes into sight.
+// How far, in pixels, texture grows over a surface that comes into sight, and how far, in steps, what moves as that does
+// may come apart from it in a frame.
 const int REACH = 8;
+const int TOGETHER = STEPS;
 
 // The motion of a pixel of this paint; 0 for others.
 uint motion_at(ivec2 p, ivec2 size) {
     p = clamp(p, ivec2(0), size - 1);
     return imageLoad(guide, p).r >> 16 == push.paint ? imageLoad(motion, p).r : 0;
+}
+
+ivec2 way_of(uint word) {
+    return ivec2(word & 0x7fffu, word >> 15 & 0x7fffu) - REST;
 }
 
 uvec4 place_at(ivec2 p, ivec2 size) {
@@ -80,17 +89,24 @@ void main() {
     ivec2 size = imageSize(motion);
     bool mine = imageLoad(guide, p).r >> 16 == push.paint;
     uint word = motion_at(p, size);
-    // The nearest pixel to the right, left, below or above whose surface was in sight.
+    // Where the surface was hidden, the pixel around that moves most alike; of those alike the nearest.
+    uint own = word;
     ivec2 shift = ivec2(0);
-    for (int r = 1; r <= REACH && word == 0 && mine; r++) {
-        uint to_right = motion_at(p + ivec2(r, 0), size);
-        uint to_left = motion_at(p - ivec2(r, 0), size);
-        uint below = motion_at(p + ivec2(0, r), size);
-        uint above = motion_at(p - ivec2(0, r), size);
-        word = to_right != 0 ? to_right : to_left != 0 ? to_left : below != 0 ? below : above;
-        shift = to_right != 0 ? ivec2(r, 0) : to_left != 0 ? ivec2(-r, 0) : below != 0 ? ivec2(0, r) : ivec2(0, -r);
+    int best = TOGETHER;
+    for (int r = 1; r <= REACH && own < SHOWN && mine; r++) {
+        for (int side = 0; side < 4; side++) {
+            ivec2 by = r * ivec2(side == 0 ? 1 : side == 1 ? -1 : 0, side == 2 ? 1 : side == 3 ? -1 : 0);
+            uint there = motion_at(p + by, size);
+            ivec2 apart = abs(way_of(there) - way_of(own));
+            // Where nothing is known of its own motion, the nearest will do.
+            int cost = (own != 0 ? apart.x + apart.y : 0) + r;
+            bool better = there >= SHOWN && cost < best;
+            word = better ? there : word;
+            shift = better ? by : shift;
+            best = better ? cost : best;
+        }
     }
-    ivec2 way = ivec2(word & 0xffffu, word >> 16) - REST;
+    ivec2 way = way_of(word);
     // The nearest pixel, and the way from there, -32 to 31 steps.
     ivec2 nearest = (way + STEPS / 2) >> 6;
     ivec2 rest = way - STEPS * nearest;
@@ -115,7 +131,7 @@ void main() {
         present = is_present(right) || is_present(left) || is_present(below) || is_present(above);
     }
     place -= STEPS * shift;
-    present = present && mine && word != 0 && in_sample(place, uvec2(push.sample_width, push.sample_height));
+    present = present && mine && word >= SHOWN && in_sample(place, uvec2(push.sample_width, push.sample_height));
     carried = present ? place_of(place) : uvec4(0);
     carried.w |= present && !fits(along, down) ? MISFIT : 0;
     canvas = present ? imageLoad(sample_texels, (place + STEPS / 2) / STEPS).r | PAINTED : 0;

@@ -26,6 +26,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 /// A way to paint an animation.
+#[derive(Debug)]
 struct Way {
     name: &'static str,
     technique: TechniqueName,
@@ -36,7 +37,7 @@ struct Way {
 }
 
 /// All of them.
-const WAYS: [Way; 9] = [
+static WAYS: [Way; 9] = [
     Way::new("object", TechniqueName::Object),
     Way::image(ANEW, |_| Continuity::Anew),
     Way::image("image match", |flags| flags.matching(1)),
@@ -84,6 +85,9 @@ pub struct CalmArgs {
     /// First and last frame, two at least
     #[arg(long, value_name = "FIRST..LAST", default_value = "0..11", allow_hyphen_values = true)]
     frames: Frames,
+    /// Only this way of painting, by its name in the table; repeat for more
+    #[arg(long = "way", value_name = "NAME", value_parser = way)]
+    ways: Vec<&'static Way>,
     #[command(flatten)]
     motion: MotionFlags,
     #[command(flatten)]
@@ -94,6 +98,12 @@ pub struct CalmArgs {
     search: SearchFlags,
     #[command(flatten)]
     shot: ShotFlags,
+}
+
+/// Reads the name of a way.
+fn way(text: &str) -> std::result::Result<&'static Way, String> {
+    let named = || WAYS.iter().map(|way| format!("'{}'", way.name)).collect::<Vec<_>>().join(", ");
+    WAYS.iter().find(|way| way.name == text).ok_or_else(|| format!("must be one of {}", named()))
 }
 
 /// A way at work, and what was measured of it so far.
@@ -119,7 +129,7 @@ pub fn run(args: &CalmArgs, session: &mut Session) -> Result {
     let motion = args.motion.load(&shot, args.shot.view.axis(), args.frames, session)?;
     let at = |number: u32| motion.at(number, &shot.mesh);
     session.parameter("measure", "calm");
-    session.parameter("technique", WAYS.map(|way| way.name).to_vec());
+    session.parameter("way", args.ways.iter().map(|way| way.name).collect::<Vec<_>>());
     session.parameter("frames", args.frames.to_string());
     args.test.report(session);
     args.search.report(session);
@@ -130,7 +140,7 @@ pub fn run(args: &CalmArgs, session: &mut Session) -> Result {
     session.phase("setup");
     let scene = Scene { mesh: &shot.mesh, moment: at(args.frames.first)?, size: args.shot.size };
     let mut rows = Vec::with_capacity(WAYS.len());
-    for way in &WAYS {
+    for way in WAYS.iter().filter(|way| args.ways.is_empty() || args.ways.iter().any(|one| one.name == way.name)) {
         let mut chosen = args.shot.choose(way.technique, &shot)?;
         if let Technique::Image(continuity) = &mut chosen.technique {
             *continuity = (way.image)(&args.coherence);

@@ -123,10 +123,9 @@ impl MotionPass {
         Ok(())
     }
 
-    /// The way from each pixel to its surface's place in the previous frame, R32_UINT: x in the low and y in the high
-    /// half, each 32,768 + 64 times the pixels to the right or down, rounded; as in the files of
-    /// [`crate::metric::Motion`]. 0 in the background, and where the previous frame did not show the surface, or more
-    /// than 512 pixels away.
+    /// The way from each pixel to its surface's place in the previous frame, R32_UINT: twice 15 bits, x low, each 16,384 +
+    /// 64 times the pixels to the right or down, rounded; the highest bit is set where the previous frame showed the
+    /// surface. 0 in the background, and for ways of 256 pixels and more.
     pub fn motion(&self) -> &Image {
         &self.motion
     }
