@@ -347,7 +347,7 @@ impl RealTime {
         let (camera, lights) = (&self.camera, Lights::default());
         self.guides.record(recorder, camera, &lights).expect("a picture's shape");
         self.object.record(recorder, camera, &lights, ShadeRange::default(), Show::Painted).expect("a picture's shape");
-        self.aligned.record(recorder, &AlignedFrame::default()).expect("a frame in range");
+        self.aligned.record(recorder, &AlignedFrame::default(), &[]).expect("a frame in range");
         self.dependent.record(recorder, camera, &lights, Show::Painted).expect("a picture's shape");
     }
 

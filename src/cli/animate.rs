@@ -11,6 +11,7 @@ use super::picture::over;
 use super::session::Session;
 use super::shot::ShotFlags;
 use clap::Args;
+use impasto::scene::Moment;
 use impasto::technique::Show;
 use serde_json::json;
 use std::path::PathBuf;
@@ -36,7 +37,7 @@ pub struct AnimateArgs {
     /// Leave out the numbered pictures that are there already
     #[arg(long)]
     resume: bool,
-    /// Leave the texture of view-aligned projection still in the picture, instead of letting it follow the model
+    /// Leave the texture of view-aligned projection still in the picture, instead of letting it follow the objects
     #[arg(long)]
     still: bool,
     #[command(flatten)]
@@ -88,15 +89,16 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let progress = session.frames("animating", numbers.len());
     let mut times = Vec::with_capacity(numbers.len());
     let mut reached = args.frames.first;
-    let mut camera = scene.camera;
+    let mut moment = Moment::at_rest(scene.camera, scene.lights.clone());
     for &number in &numbers {
         let started = Instant::now();
         // From the very first frame on, so that every part of a run comes to the same.
         while !args.still && reached < number {
             reached += 1;
-            let next = motion.at(reached, &shot.mesh)?.0;
-            painter.follow(&camera, &next)?;
-            camera = next;
+            let (camera, lights) = motion.at(reached, &shot.mesh)?;
+            let next = Moment::at_rest(camera, lights);
+            painter.follow([&moment, &next])?;
+            moment = next;
         }
         painter.draw(None, &mut device, motion.at(number, &shot.mesh)?, number)?;
         let frame = painter.frame(&mut device, Show::Painted)?;

@@ -8,10 +8,10 @@ use super::techniques::{Chosen, Technique};
 use super::values::Size;
 use image::{GrayAlphaImage, LumaA, Rgba, RgbaImage};
 use impasto::gpu::{Image, Uploads};
-use impasto::scene::{Camera, GuidePass, Lights, Mesh};
+use impasto::scene::{Camera, GuidePass, Lights, Mesh, Moment};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
-use impasto::technique::aligned::{screen_displacement, AlignedFrame, AlignedTechnique, LevelVolume};
+use impasto::technique::aligned::{screen_displacements, AlignedFrame, AlignedTechnique, LevelVolume};
 use impasto::technique::dependent::{CoverageReport, DependentTechnique, ViewCoverage};
 use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::object::ObjectTechnique;
@@ -40,7 +40,8 @@ pub struct Painter<'a> {
 enum Prepared {
     Image(ImageTechnique, Option<Image>, Option<(Camera, impasto::scene::Guide)>),
     Object(ObjectTechnique),
-    Aligned(AlignedTechnique, AlignedFrame),
+    /// With the offsets of the objects' textures.
+    Aligned(AlignedTechnique, AlignedFrame, Vec<[f64; 2]>),
     Dependent(Box<DependentTechnique>, CoverageReport),
 }
 
@@ -115,7 +116,8 @@ impl<'a> Painter<'a> {
                 session.phase("prepare");
                 prepare_levels(session, device, technique.levels(), seed)?;
                 technique.levels_mut().finish();
-                Prepared::Aligned(technique, AlignedFrame { range, ..*frame })
+                let offsets = vec![frame.offset_px.map(f64::from); scene.mesh.objects().len()];
+                Prepared::Aligned(technique, AlignedFrame { range, ..*frame }, offsets)
             }
             Technique::Dependent(views, view_px, params) => {
                 let covered = ViewCoverage::run(&context, &mut device.runner, scene.mesh, views, *view_px)?;
@@ -218,11 +220,13 @@ impl<'a> Painter<'a> {
         Ok(())
     }
 
-    /// Lets what lies in the plane of the picture follow the model from one camera to the next.
-    pub fn follow(&mut self, from: &Camera, to: &Camera) -> Result {
-        if let Prepared::Aligned(_, frame) = &mut self.technique {
-            let way = screen_displacement(self.scene.mesh, [from, to], self.scene.size.pair())?;
-            frame.offset_px = [frame.offset_px[0] - way[0], frame.offset_px[1] - way[1]];
+    /// Lets what lies in the plane of the picture follow the objects from one moment to the next.
+    pub fn follow(&mut self, moments: [&Moment; 2]) -> Result {
+        if let Prepared::Aligned(_, _, offsets) = &mut self.technique {
+            let ways = screen_displacements(self.scene.mesh, moments, self.scene.size.pair())?;
+            for (offset, way) in offsets.iter_mut().zip(ways) {
+                *offset = [offset[0] - f64::from(way[0]), offset[1] - f64::from(way[1])];
+            }
         }
         Ok(())
     }
@@ -236,7 +240,9 @@ impl<'a> Painter<'a> {
                 Ok(())
             }
             Prepared::Object(technique) => technique.record(recorder, camera, lights, self.range, show),
-            Prepared::Aligned(technique, frame) => technique.record(recorder, &AlignedFrame { show, ..*frame }),
+            Prepared::Aligned(technique, frame, offsets) => {
+                technique.record(recorder, &AlignedFrame { show, ..*frame }, offsets)
+            }
             Prepared::Dependent(technique, _) => technique.record(recorder, camera, lights, show),
         })?;
         from_texels(device.runner.read_image(self.image())?, size.pair())
@@ -246,7 +252,7 @@ impl<'a> Painter<'a> {
         match &self.technique {
             Prepared::Image(technique, ..) => technique.frame(),
             Prepared::Object(technique) => technique.frame(),
-            Prepared::Aligned(technique, _) => technique.frame(),
+            Prepared::Aligned(technique, ..) => technique.frame(),
             Prepared::Dependent(technique, _) => technique.frame(),
         }
     }

@@ -181,7 +181,7 @@ fn every_technique_keeps_the_order_of_shades() {
         .run(|recorder| {
             uploads.record(recorder);
             object.record(recorder, &camera, &lights, ShadeRange::default(), Show::Painted)?;
-            aligned.record(recorder, &AlignedFrame::default())?;
+            aligned.record(recorder, &AlignedFrame::default(), &[])?;
             views.record(recorder, &camera, &lights, Show::Painted)
         })
         .expect("run");
