@@ -29,9 +29,9 @@ pub struct Object {
 /// A triangle mesh of one or more objects, checked and repaired (thesis section 3.1.1).
 ///
 /// What always holds: there is at least one triangle; every triangle has an area; positions are finite; normals have
-/// unit length; indices are in range; objects lie one after the other in `indices`, and so do their vertices, each new one
-/// after those used before it, none shared by two objects; where normals
-/// were given, a triangle's counter-clockwise side is the one that its normals point to.
+/// unit length; indices are in range; objects lie one after the other in `indices`, and so do their vertices, each
+/// beginning with its first index and sharing none with another; where normals were given, a triangle's
+/// counter-clockwise side is the one that its normals point to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     pub(super) positions: Vec<[f32; 3]>,

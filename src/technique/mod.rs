@@ -104,7 +104,7 @@ impl ShadeRange {
 /// Columns of a picture of objects, as in the shaders.
 const OBJECTS_ACROSS: usize = 1024;
 
-/// A picture with a texel for each of `count` objects, row by row: what fragment shaders can look up cheaply everywhere.
+/// A picture with a texel for each of `count` objects, row by row: fragment shaders look it up cheaply everywhere.
 fn picture_of_objects(context: &Context, name: &str, count: usize, format: vk::Format) -> Result<Image> {
     let rows = count.div_ceil(OBJECTS_ACROSS).max(1);
     Image::new(context, name, &ImageDesc::storage_2d(OBJECTS_ACROSS as u32, rows as u32, format))

@@ -12,8 +12,8 @@ const FACING_SQUARED: f32 = 0.75;
 /// degrees, or else the one that does most), as far as both cameras have them before them. An object of which they have
 /// nothing before them does not move.
 ///
-/// The texture offsets of [`super::AlignedTechnique::record`], less the sum of these over all frames, make the texture go along
-/// with each object, instead of standing still while the objects slide through it.
+/// The texture offsets of [`super::AlignedTechnique::record`], less the sum of these over all frames, make the texture
+/// go along with each object, instead of standing still while the objects slide through it.
 ///
 /// # Errors
 /// [`crate::Error::Parameter`] when a camera has no projection for the picture's shape.
