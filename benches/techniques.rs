@@ -7,9 +7,11 @@
 
 use impasto::gpu::{Context, ContextOptions, Image, Recorder, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, MotionPass};
+use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, MotionPass, Vec3};
 use impasto::synthesis::quilt::QuiltStages;
-use impasto::technique::aligned::{AlignedFrame, AlignedTechnique, LevelParams, LevelSource, LevelVolume};
+use impasto::technique::aligned::{
+    screen_displacements, AlignedFrame, AlignedTechnique, LevelParams, LevelSource, LevelVolume,
+};
 use impasto::technique::dependent::{default_views, DependentParams, DependentTechnique, ViewCoverage};
 use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::object::{ObjectParams, ObjectTechnique};
@@ -37,7 +39,7 @@ fn cpu_ms() -> Option<f64> {
 fn median_and_p95(mut values: Vec<f64>) -> String {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| values[((values.len() - 1) as f64 * share).round() as usize];
-    format!("median {:6.1} ms, p95 {:6.1} ms", at(0.5), at(0.95))
+    format!("median {:6.2} ms, p95 {:6.2} ms", at(0.5), at(0.95))
 }
 
 fn frames(
@@ -162,11 +164,23 @@ fn main() -> Result {
     })?;
     frames(&mut runner, rounds, "view-aligned, guided", Some(aligned.frame()), |recorder| {
         guides.record(recorder, &moment)?;
-        aligned.record(recorder, &AlignedFrame::default())
+        aligned.record(recorder, &AlignedFrame::default(), &[])
     })?;
     frames(&mut runner, rounds, "view-dependent", Some(dependent.frame()), |recorder| {
         dependent.record(recorder, &moment, Show::Painted)
     })?;
+
+    // What a host does for every frame when the texture follows the objects.
+    let next = Moment { camera: moment.camera.orbited(1.0, Vec3::Y)?, ..moment.clone() };
+    let moments = [&moment, &next];
+    let mut wall = Vec::new();
+    for _ in 0..20 * rounds {
+        let start = Instant::now();
+        std::hint::black_box(screen_displacements(&mesh, moments, SIZE)?);
+        wall.push(seconds(start) * 1e3);
+    }
+    let vertices = mesh.positions().len();
+    println!("  way of {vertices} vertices, on one core: {}", median_and_p95(wall));
 
     // The alternative: the frame synthesised anew.
     let params = ImageParams::default();

@@ -353,7 +353,7 @@ impl RealTime {
             self.motion.record(recorder, previous, now).expect("a picture's shape");
         }
         self.object.record(recorder, &self.moment, ShadeRange::default(), Show::Painted).expect("a picture's shape");
-        self.aligned.record(recorder, &AlignedFrame::default()).expect("a frame in range");
+        self.aligned.record(recorder, &AlignedFrame::default(), &[]).expect("a frame in range");
         self.dependent.record(recorder, &self.moment, Show::Painted).expect("a picture's shape");
     }
 

@@ -74,7 +74,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let first = motion.at(args.frames.first, &shot.mesh)?;
     session.parameter("frames", args.frames.to_string());
     session.parameter("still", args.still);
-    session.parameter("keyframes", args.keyframes);
+    session.parameter("keyframe_every", args.keyframes);
     let background = args.look.background;
     session.parameter("background", background.map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")));
     // Frames that have nothing to do with those before them.

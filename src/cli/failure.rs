@@ -52,6 +52,7 @@ fn flag(name: &str) -> Option<(&'static str, &'static str)> {
         "levels" => ("--level-count", ""),
         "stretch" => ("--stretch", ""),
         "slack" => ("--slack", ""),
+        "repair tolerance" => ("--repair-tolerance", ""),
         "weight of the previous frame" => ("--match-weight", ""),
         "prepared levels" => ("--level-count or --level-size", "what was prepared"),
         "size_px" => ("--level-size", ""),

@@ -29,6 +29,10 @@ pub struct CoherenceFlags {
     #[arg(long, value_name = "BLOCKS", value_parser = finite, default_value_t = RepairParams::default().slack,
           allow_hyphen_values = true)]
     slack: f32,
+    /// For carry: how much worse than the best position one may fit that is chosen for new texture, 0 to 10
+    #[arg(long, value_name = "T", value_parser = finite, default_value_t = RepairParams::default().tolerance,
+          allow_hyphen_values = true)]
+    repair_tolerance: f32,
     /// For match: how much the last frame counts against the overlap, 0.25 to 3 in steps of 0.25
     #[arg(long, value_name = "WEIGHT", value_parser = finite, default_value_t = 1.0, allow_hyphen_values = true)]
     match_weight: f32,
@@ -75,6 +79,7 @@ impl CoherenceFlags {
             Coherence::Carry => {
                 session.parameter("stretch", number(self.stretch));
                 session.parameter("slack", number(self.slack));
+                session.parameter("repair_tolerance", number(self.repair_tolerance));
                 self.carrying()
             }
         };
@@ -93,7 +98,7 @@ impl CoherenceFlags {
 
     /// Carrying.
     pub fn carrying(&self) -> Continuity {
-        Continuity::Carry(RepairParams { stretch: self.stretch, slack: self.slack })
+        Continuity::Carry(RepairParams { stretch: self.stretch, tolerance: self.repair_tolerance, slack: self.slack })
     }
 }
 

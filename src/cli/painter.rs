@@ -12,7 +12,7 @@ use impasto::gpu::{Image, Uploads};
 use impasto::scene::{GuidePass, Mesh, Moment};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
-use impasto::technique::aligned::{screen_displacement, AlignedFrame, AlignedTechnique, LevelVolume};
+use impasto::technique::aligned::{screen_displacements, AlignedFrame, AlignedTechnique, LevelVolume};
 use impasto::technique::dependent::{CoverageReport, DependentTechnique, ViewCoverage};
 use impasto::technique::image::ImageParams;
 use impasto::technique::object::ObjectTechnique;
@@ -40,8 +40,8 @@ pub struct Painter<'a> {
 enum Prepared {
     Image(Box<ImageFrames>),
     Object(ObjectTechnique),
-    /// The frame as it was asked for, and as it has moved.
-    Aligned(AlignedTechnique, [AlignedFrame; 2]),
+    /// The frame as it was asked for, and the offsets of the objects' textures.
+    Aligned(AlignedTechnique, AlignedFrame, Vec<[f64; 2]>),
     Dependent(Box<DependentTechnique>, CoverageReport),
 }
 
@@ -96,7 +96,8 @@ impl<'a> Painter<'a> {
                 session.phase("prepare");
                 prepare_levels(session, device, technique.levels(), seed)?;
                 technique.levels_mut().finish();
-                Prepared::Aligned(technique, [AlignedFrame { range, ..*frame }; 2])
+                let offsets = vec![frame.offset_px.map(f64::from); scene.mesh.objects().len()];
+                Prepared::Aligned(technique, AlignedFrame { range, ..*frame }, offsets)
             }
             Technique::Dependent(views, view_px, params) => {
                 let covered = ViewCoverage::run(&context, &mut device.runner, scene.mesh, views, *view_px)?;
@@ -148,11 +149,13 @@ impl<'a> Painter<'a> {
         match &mut self.technique {
             Prepared::Image(frames) => frames.advance(session, device, &self.guides, next)?,
             Prepared::Object(_) => {}
-            Prepared::Aligned(_, [asked, frame]) if fresh => *frame = *asked,
-            Prepared::Aligned(_, [_, frame]) => {
-                let cameras = [&self.moment.camera, &next.moment.camera];
-                let way = screen_displacement(self.scene.mesh, cameras, self.scene.size.pair())?;
-                frame.offset_px = [frame.offset_px[0] - way[0], frame.offset_px[1] - way[1]];
+            Prepared::Aligned(_, frame, offsets) if fresh => offsets.fill(frame.offset_px.map(f64::from)),
+            Prepared::Aligned(_, _, offsets) => {
+                let moments = [&self.moment, next.moment];
+                let ways = screen_displacements(self.scene.mesh, moments, self.scene.size.pair())?;
+                for (offset, way) in offsets.iter_mut().zip(ways) {
+                    *offset = [offset[0] - f64::from(way[0]), offset[1] - f64::from(way[1])];
+                }
             }
             Prepared::Dependent(..) => {}
         }
@@ -176,8 +179,9 @@ impl<'a> Painter<'a> {
             Prepared::Object(technique) => {
                 device.runner.run(|recorder| technique.record(recorder, moment, self.range, show))?;
             }
-            Prepared::Aligned(technique, [_, frame]) => {
-                device.runner.run(|recorder| technique.record(recorder, &AlignedFrame { show, ..*frame }))?;
+            Prepared::Aligned(technique, frame, offsets) => {
+                let frame = AlignedFrame { show, ..*frame };
+                device.runner.run(|recorder| technique.record(recorder, &frame, offsets))?;
             }
             Prepared::Dependent(technique, _) => {
                 device.runner.run(|recorder| technique.record(recorder, moment, show))?;
@@ -190,7 +194,7 @@ impl<'a> Painter<'a> {
         match &self.technique {
             Prepared::Image(frames) => frames.technique().frame(),
             Prepared::Object(technique) => technique.frame(),
-            Prepared::Aligned(technique, _) => technique.frame(),
+            Prepared::Aligned(technique, ..) => technique.frame(),
             Prepared::Dependent(technique, _) => technique.frame(),
         }
     }

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
+use std::ops::Range;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
@@ -28,8 +29,9 @@ pub struct Object {
 /// A triangle mesh of one or more objects, checked and repaired (thesis section 3.1.1).
 ///
 /// What always holds: there is at least one triangle; every triangle has an area; positions are finite; normals have
-/// unit length; indices are in range; objects lie one after the other in `indices` and share no vertex; where normals
-/// were given, a triangle's counter-clockwise side is the one that its normals point to.
+/// unit length; indices are in range; objects lie one after the other in `indices`, and so do their vertices, each
+/// beginning with its first index and sharing none with another; where normals were given, a triangle's
+/// counter-clockwise side is the one that its normals point to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     pub(super) positions: Vec<[f32; 3]>,
@@ -176,6 +178,19 @@ impl Mesh {
     /// The objects, in the order of their triangles; at least one.
     pub fn objects(&self) -> &[Object] {
         &self.objects
+    }
+
+    /// The vertices of an object; none where there is no such object.
+    pub fn vertices_of(&self, object: usize) -> Range<usize> {
+        let first = |object: &Object| self.indices[object.first_index as usize] as usize;
+        let mut used = self.objects.iter().skip(object).filter(|object| object.index_count > 0);
+        match self.objects.get(object) {
+            Some(own) if own.index_count > 0 => {
+                let next = used.nth(1).map_or(self.positions.len(), first);
+                first(own)..next
+            }
+            _ => 0..0,
+        }
     }
 
     /// For each vertex, the index of the object that it belongs to. The ID buffer holds this number + 1.

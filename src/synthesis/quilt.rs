@@ -601,7 +601,7 @@ impl Quilt {
     }
 
     /// What `quilt_place` is to do with `order[first_block..]`.
-    pub(super) fn place_push(&self, first_block: u32, rows: Rows, seed: u32, frame: u32) -> PlacePush {
+    pub(super) fn place_push(&self, first_block: u32, rows: Rows, tolerance: f32, seed: u32, frame: u32) -> PlacePush {
         let QuiltParams { block_px, overlap_px, tileable, .. } = self.params;
         PlacePush {
             output: [self.layout.output.0, self.layout.output.1],
@@ -613,7 +613,7 @@ impl Quilt {
             groups_per_block: rows.groups,
             columns: self.layout.columns,
             rows: self.layout.rows,
-            tolerance: self.params.tolerance_e4(),
+            tolerance: QuiltParams { tolerance, ..self.params }.tolerance_e4(),
             seed,
             frame,
             first_row: rows.first,
@@ -627,7 +627,7 @@ impl Quilt {
             match step.clone() {
                 Step::Search { blocks, groups } => self.record_search(recorder, rows, blocks, groups),
                 Step::Place { blocks } => {
-                    let push = self.place_push(blocks.start, rows, seed, frame);
+                    let push = self.place_push(blocks.start, rows, self.params.tolerance, seed, frame);
                     let count = [blocks.len() as u32, 1, 1];
                     recorder.dispatch(&self.stages.place, &self.waves.place_set, &push, count);
                 }

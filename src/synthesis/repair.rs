@@ -68,13 +68,16 @@ pub(crate) struct FitPush {
 pub struct RepairParams {
     /// By what factor texture may be stretched or compressed in any direction: 1.05 to 1.5.
     pub stretch: f32,
+    /// How much worse than the best position a position may fit and still be chosen, as [`QuiltParams::tolerance`]. More
+    /// than in quilting: what must fit on all sides fits best where the sample is quiet, and a sequence would go that way.
+    pub tolerance: f32,
     /// How many block sizes beyond its window a block's texture may come from once the shade has changed: 0 to 100.
     pub slack: f32,
 }
 
 impl Default for RepairParams {
     fn default() -> Self {
-        RepairParams { stretch: 1.35, slack: 1.0 }
+        RepairParams { stretch: 1.35, tolerance: 0.5, slack: 1.0 }
     }
 }
 
@@ -86,6 +89,9 @@ impl RepairParams {
     pub fn check(&self) -> Result<()> {
         if !(1.05..=1.5).contains(&self.stretch) {
             return Err(Error::parameter("stretch", self.stretch, "1.05 to 1.5"));
+        }
+        if !(0.0..=10.0).contains(&self.tolerance) {
+            return Err(Error::parameter("repair tolerance", self.tolerance, "0 to 10"));
         }
         if !(0.0..=100.0).contains(&self.slack) {
             return Err(Error::parameter("slack", self.slack, "0 to 100 block sizes"));
@@ -223,7 +229,7 @@ impl Repair {
             let push = quilt.match_push(first, rows, [1, 0]);
             let groups = (&self.counts, offset);
             recorder.dispatch_indirect(&quilt.stages.matching[0], &self.match_set, &push, groups);
-            let push = quilt.place_push(first, rows, seed, frame);
+            let push = quilt.place_push(first, rows, self.params.tolerance, seed, frame);
             let groups = (&self.counts, offset + COUNT_BYTES / 2);
             recorder.dispatch_indirect(&quilt.stages.place, &self.place_set, &push, groups);
         }

@@ -101,16 +101,20 @@ impl ShadeRange {
     }
 }
 
-/// Columns of the picture that holds the paint of each object, as in paint.glsl.
+/// Columns of a picture of objects, as in the shaders.
 const OBJECTS_ACROSS: usize = 1024;
 
-/// The paint of each object as a picture, R32_UINT, row by row: what fragment shaders can look up cheaply everywhere.
+/// A picture with a texel for each of `count` objects, row by row: fragment shaders look it up cheaply everywhere.
+fn picture_of_objects(context: &Context, name: &str, count: usize, format: vk::Format) -> Result<Image> {
+    let rows = count.div_ceil(OBJECTS_ACROSS).max(1);
+    Image::new(context, name, &ImageDesc::storage_2d(OBJECTS_ACROSS as u32, rows as u32, format))
+}
+
+/// The paint of each object as a picture of objects, R32_UINT.
 fn paint_picture(context: &Context, uploads: &mut Uploads, paint_of_object: &[u32]) -> Result<Image> {
-    let rows = paint_of_object.len().div_ceil(OBJECTS_ACROSS).max(1);
-    let desc = ImageDesc::storage_2d(OBJECTS_ACROSS as u32, rows as u32, vk::Format::R32_UINT);
-    let picture = Image::new(context, "paint of object", &desc)?;
+    let picture = picture_of_objects(context, "paint of object", paint_of_object.len(), vk::Format::R32_UINT)?;
     let mut texels = paint_of_object.to_vec();
-    texels.resize(rows * OBJECTS_ACROSS, 0);
+    texels.resize(picture.texels() as usize, 0);
     uploads.image(context, &picture, bytemuck::cast_slice(&texels))?;
     Ok(picture)
 }

@@ -44,6 +44,7 @@ struct Aligned<'a> {
     params: LevelParams,
     trajectories: &'a [&'a Trajectory],
     frame: AlignedFrame,
+    offsets_px: &'a [[f64; 2]],
 }
 
 impl Aligned<'_> {
@@ -62,14 +63,18 @@ impl Aligned<'_> {
         row(y).lerp(row(y + 1), fy)
     }
 
-    fn pixel(&self, x: u32, y: u32, shade: f32, paint: usize) -> [u8; 4] {
+    fn pixel(&self, x: u32, y: u32, shade: f32, (object, paint): (usize, usize)) -> [u8; 4] {
         let ShadeRange { low, high } = self.frame.range;
         let tone = ((shade - low) / (high - low)).clamp(0.0, 1.0);
         let place = tone * (self.params.levels - 1) as f32;
         let level = (place as usize).min(self.params.levels as usize - 1);
         let above = (level + 1).min(self.params.levels as usize - 1);
         let f = place - level as f32;
-        let at = |p: u32, k: usize| (p as f32 + 0.5 + self.frame.offset_px[k]) * self.frame.density;
+        let offset_px = self.offsets_px.get(object).copied().unwrap_or(self.frame.offset_px.map(f64::from));
+        let at = |p: u32, k: usize| {
+            ((f64::from(p) + 0.5 + offset_px[k].round()) * f64::from(self.frame.density)
+                % f64::from(self.params.size_px)) as f32
+        };
         let first = paint * self.params.levels as usize;
         let [a, b] = [level, above].map(|level| self.bilinear(first + level, at(x, 0), at(y, 1)));
         let mut difference = a.lerp(b, f);
@@ -104,52 +109,67 @@ fn aligned_frames_equal_a_plain_oracle() {
     let technique =
         AlignedTechnique::new(&gpu.context, &mut uploads, &pass, volume, &trajectories, &[1, 0]).expect("new");
     let plain = AlignedFrame::default();
-    let frames = [
-        plain,
-        AlignedFrame { density: 0.7, offset_px: [13.25, -40.5], blend: LevelBlend::Linear, ..plain },
-        AlignedFrame { range: ShadeRange { low: 0.2, high: 0.7 }, density: 1.5, ..plain },
-        AlignedFrame { show: Show::Color, ..plain },
-        AlignedFrame { show: Show::Texture, density: 2.0, ..plain },
+    // The table, and the teapot on it.
+    let apart = [[-7.4, 3.6], [1e6 + 0.3, -52.5]];
+    let frames: [(AlignedFrame, &[[f64; 2]]); 6] = [
+        (plain, &[]),
+        (AlignedFrame { density: 0.7, offset_px: [13.25, -40.75], blend: LevelBlend::Linear, ..plain }, &[]),
+        (AlignedFrame { offset_px: [5.0, 9.0], ..plain }, &apart[..1]),
+        (AlignedFrame { range: ShadeRange { low: 0.2, high: 0.7 }, density: 1.5, ..plain }, &apart),
+        (AlignedFrame { show: Show::Color, ..plain }, &apart),
+        (AlignedFrame { show: Show::Texture, density: 2.0, ..plain }, &apart),
     ];
-    for frame in frames {
+    for (frame, offsets_px) in frames {
         runner
             .run(|recorder| {
                 uploads.record(recorder);
-                technique.record(recorder, &frame)
+                technique.record(recorder, &frame, offsets_px)
             })
             .expect("run");
         let got = rgba(&mut runner, technique.frame());
-        let oracle = Aligned { volume: &texels, params: LEVELS, trajectories: &trajectories, frame };
+        let oracle = Aligned { volume: &texels, params: LEVELS, trajectories: &trajectories, frame, offsets_px };
         let want: Vec<[u8; 4]> = (0..size.0 * size.1)
             .map(|i| match id[i as usize] {
                 0 => [0; 4],
-                object => oracle.pixel(i % size.0, i / size.0, shade[i as usize], 2 - object as usize),
+                id => {
+                    let object = id as usize - 1;
+                    oracle.pixel(i % size.0, i / size.0, shade[i as usize], (object, 1 - object))
+                }
             })
             .collect();
         // The hardware's filter has 8 bits for its weights, and trilinear ones of 8-bit texels may be 1.7/255 off,
         // which the differences' range doubles and contrast may raise by the root of 2.
         let off = share_off(&got, &want, 5);
-        eprintln!("{frame:?}: {off:.5} off, {:.5} by more than 2", share_off(&got, &want, 2));
-        assert!(off < 0.0005, "{frame:?}: {off} of the pixels are off");
+        eprintln!("{frame:?}, {offsets_px:?}: {off:.5} off, {:.5} by more than 2", share_off(&got, &want, 2));
+        assert!(off < 0.0005, "{frame:?}, {offsets_px:?}: {off} of the pixels are off");
         let swapped: Vec<[u8; 4]> = want.iter().map(|&[r, g, b, a]| [g, b, r, a]).collect();
         assert!(share_off(&got, &swapped, 5) > 0.05 || frame.show == Show::Texture, "a wrong picture is noticed");
     }
     let frame = AlignedFrame { density: 0.7, ..plain };
-    runner.run(|recorder| technique.record(recorder, &frame)).expect("run");
+    runner.run(|recorder| technique.record(recorder, &frame, &[])).expect("run");
     assert_golden("aligned_teapot", &rgba(&mut runner, technique.frame()), size, 0.01);
     let wrong = AlignedFrame { density: 9.0, ..plain };
-    let refused = runner.run(|recorder| technique.record(recorder, &wrong)).expect_err("refused").to_string();
-    assert!(refused.contains("density is 9"), "{refused}");
+    let mut refused = |frame: &AlignedFrame, offsets: &[[f64; 2]]| {
+        runner.run(|recorder| technique.record(recorder, frame, offsets)).expect_err("refused").to_string()
+    };
+    assert!(refused(&wrong, &[]).contains("density is 9"));
+    assert!(refused(&plain, &[[0.0, f64::NAN]]).contains("offsets_px is NaN"));
 }
 
 /// A flat square that fills the picture, at one shade: what is seen is the texture itself.
+fn flat_square() -> (Mesh, Camera) {
+    let quad = "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
+    let mesh = Mesh::parse(quad.as_bytes(), "quad", &MeshOptions::default()).expect("a mesh").mesh;
+    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, None, 60.0).expect("a camera");
+    let camera = camera.fit_depth(&mesh);
+    (mesh, camera)
+}
+
 #[test]
 fn aligned_texture_repeats_without_a_seam_and_keeps_its_contrast_between_levels() {
     let gpu = Validated::new();
     let mut runner = gpu.runner();
-    let quad = "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
-    let mesh = Mesh::parse(quad.as_bytes(), "quad", &MeshOptions::default()).expect("a mesh").mesh;
-    let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, None, 60.0).expect("a camera").fit_depth(&mesh);
+    let (mesh, camera) = flat_square();
     let (texture, trajectory) = strip("strip_red_yellow.png");
     let volume = levels(&gpu, &mut runner, &[LevelSource::Strip(&texture)], &LevelParams { levels: 8, ..LEVELS }, 2);
     let lit = |shade: f32| {
@@ -166,7 +186,7 @@ fn aligned_texture_repeats_without_a_seam_and_keeps_its_contrast_between_levels(
             .run(|recorder| {
                 uploads.record(recorder);
                 pass.record(recorder, &Moment::at_rest(camera, lit(shade)))?;
-                technique.record(recorder, &frame)
+                technique.record(recorder, &frame, &[])
             })
             .expect("run");
         rgba(&mut runner, technique.frame())
@@ -185,4 +205,39 @@ fn aligned_texture_repeats_without_a_seam_and_keeps_its_contrast_between_levels(
     let kept = spread(&texture_at(4.5 / 7.0, LevelBlend::Contrast)) / level;
     eprintln!("between levels: {linear:.3} of the contrast, {kept:.3} kept");
     assert!(linear < 0.85 && (0.9..1.12).contains(&kept), "{linear} {kept}");
+}
+
+#[test]
+fn aligned_texture_moves_as_the_picture_that_it_is_at_every_density() {
+    let gpu = Validated::new();
+    let mut runner = gpu.runner();
+    let (mesh, camera) = flat_square();
+    let (texture, trajectory) = strip("strip_red_yellow.png");
+    let volume = levels(&gpu, &mut runner, &[LevelSource::Strip(&texture)], &LEVELS, 2);
+    let (side, moved) = (128, 37);
+    let (pass, ..) = guide(&gpu, &mut runner, &mesh, &camera, &Lights::default(), (side, side));
+    let mut uploads = Uploads::default();
+    let technique =
+        AlignedTechnique::new(&gpu.context, &mut uploads, &pass, volume, &[&trajectory], &[0]).expect("new");
+    for density in [0.3, 1.0, 1.7] {
+        let frame = AlignedFrame { show: Show::Texture, density, ..Default::default() };
+        let mut at = |offset: f64| {
+            runner
+                .run(|recorder| {
+                    uploads.record(recorder);
+                    technique.record(recorder, &frame, &[[offset, 0.0]])
+                })
+                .expect("run");
+            rgba(&mut runner, technique.frame())
+        };
+        let (before, after) = (at(0.0), at(f64::from(moved) + 0.4));
+        let columns = |pixels: &[[u8; 4]], range: std::ops::Range<u32>| -> Vec<[u8; 4]> {
+            let rows = 0..side;
+            rows.flat_map(|y| range.clone().map(move |x| y * side + x)).map(|i| pixels[i as usize]).collect()
+        };
+        // The filter's weights may be rounded the other way.
+        let off = share_off(&columns(&before, moved..side), &columns(&after, 0..side - moved), 2);
+        assert!(off < 0.001, "density {density}: {off} of the pixels differ");
+        assert!(share_off(&before, &after, 2) > 0.5, "density {density}: it did move");
+    }
 }

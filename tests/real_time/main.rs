@@ -182,7 +182,7 @@ fn every_technique_keeps_the_order_of_shades() {
         .run(|recorder| {
             uploads.record(recorder);
             object.record(recorder, &moment, ShadeRange::default(), Show::Painted)?;
-            aligned.record(recorder, &AlignedFrame::default())?;
+            aligned.record(recorder, &AlignedFrame::default(), &[])?;
             views.record(recorder, &moment, Show::Painted)
         })
         .expect("run");

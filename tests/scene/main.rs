@@ -73,6 +73,10 @@ fn assert_sound(mesh: &Mesh) {
     assert_eq!(next as usize, mesh.indices().len());
     let owners: Vec<u32> = used.into_iter().map(|owner| owner.expect("no vertex is left over")).collect();
     assert_eq!(mesh.object_of_vertex(), owners);
+    for object in 0..=mesh.objects().len() {
+        let own = (0..vertices).filter(|&vertex| owners[vertex] as usize == object);
+        assert!(mesh.vertices_of(object).eq(own), "object {object}");
+    }
     for triangle in mesh.indices().chunks_exact(3) {
         let [a, b, c] = [0, 1, 2].map(|k| Vec3::from(mesh.positions()[triangle[k] as usize]).as_dvec3());
         assert!((b - a).cross(c - a).length() > 0.0, "{triangle:?}");

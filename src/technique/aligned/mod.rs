@@ -7,19 +7,30 @@
 //! The hardware's blend between two levels takes contrast from the marks, by a factor of up to the root of 2, because
 //! two textures that know nothing of each other are averaged: the error that the thesis names. [`LevelBlend::Contrast`]
 //! multiplies the blend's deviation from the mean (which is no difference) by what it lost.
+//!
+//! # Moving texture
+//! Each object's texture has an offset of its own, which a host lets follow the object ([`screen_displacements`]). The
+//! texture is drawn at whole pixels: it moves as the picture that it is, and is the same in every frame. Offsets in
+//! between would let the filter blend neighbouring texels differently from frame to frame: at density 1, where texels
+//! are pixels, marks would lose a quarter of their gradient as soon as they move. At other densities whole texels would
+//! not do as well: a large texel would jump by the many pixels that it covers, and a small one would be sampled anew
+//! somewhere else, as it moves by a part of a pixel. What is rounded is what is drawn, not what the host adds up, so
+//! that nothing drifts.
 
 mod follow;
 mod level_texture;
 mod levels;
 
-pub use follow::screen_displacement;
+pub use follow::screen_displacements;
 pub use level_texture::LevelTexture;
 pub use levels::{LevelParams, LevelPart, LevelSource, LevelVolume, Tileable};
 
 use super::colors::ColorTable;
 use super::picture_pass::{frame_for, PicturePass, PICTURE};
-use super::{check_paints, paint_picture, ShadeRange, Show};
-use crate::gpu::{Access, BindingKind, BindingSet, Context, Image, RasterShader, Recorder, Sampler, Uploads};
+use super::{check_paints, picture_of_objects, ShadeRange, Show};
+use crate::gpu::{
+    Access, BindingKind, BindingSet, Buffer, BufferKind, Context, Image, RasterShader, Recorder, Sampler, Uploads,
+};
 use crate::paint::Trajectory;
 use crate::scene::GuidePass;
 use crate::{Error, Result};
@@ -45,7 +56,6 @@ pub(crate) const ALIGNED: RasterShader = RasterShader {
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Push {
-    offset: [f32; 2],
     range: [f32; 2],
     scale: f32,
     levels: u32,
@@ -71,8 +81,8 @@ pub struct AlignedFrame {
     /// Texels of the texture to a pixel of the picture, 0.05 to 4: the scale on s and t. With 1 marks have the size
     /// that they have in the strip, with 2 half of it. Beyond 1 fine marks begin to alias.
     pub density: f32,
-    /// Where the texture lies, in pixels of the picture; grows as the texture moves to the left and up. A host lets it
-    /// follow what moves ([`screen_displacement`]; thesis chapter 7).
+    /// Where the texture lies, in pixels of the picture; grows as the texture moves to the left and up. It is drawn at
+    /// the nearest whole pixel.
     pub offset_px: [f32; 2],
     /// How levels are blended.
     pub blend: LevelBlend,
@@ -110,8 +120,22 @@ impl AlignedFrame {
     }
 }
 
+/// What the shader knows of an object.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct ObjectTexel {
+    /// Where its texture lies, in repeats, 0 to 1.
+    offset: [f32; 2],
+    paint: u32,
+    unused: u32,
+}
+
 /// The technique, prepared for a scene's guides and its paints.
 pub struct AlignedTechnique {
+    paint_of_object: Vec<u32>,
+    /// The texels of `objects` on their way to it; those beyond the last object are never written nor looked at.
+    staged: Buffer,
+    objects: Image,
     levels: LevelVolume,
     colors: ColorTable,
     pass: PicturePass,
@@ -148,7 +172,11 @@ impl AlignedTechnique {
         let pass = PicturePass::new(context, ALIGNED, &[&frame], guides.depth())?;
         let (repeat, clamp) = (vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE);
         let sampler = Sampler::linear(context, [repeat, repeat, clamp])?;
-        let objects = paint_picture(context, uploads, paint_of_object)?;
+        let paint_of_object = paint_of_object[..guides.object_count()].to_vec();
+        let format = vk::Format::R32G32B32A32_UINT;
+        let objects = picture_of_objects(context, "aligned objects", paint_of_object.len(), format)?;
+        let bytes = objects.texels() * size_of::<ObjectTexel>() as u64;
+        let staged = Buffer::new(context, "aligned objects", BufferKind::Storage, bytes)?;
         let bound = [
             guides.shade().into(),
             guides.id().into(),
@@ -157,7 +185,7 @@ impl AlignedTechnique {
             colors.image().into(),
         ];
         let set = BindingSet::new(context, pass.pipeline(), &bound)?;
-        Ok(AlignedTechnique { levels, colors, pass, frame, set })
+        Ok(AlignedTechnique { paint_of_object, staged, objects, levels, colors, pass, frame, set })
     }
 
     /// The levels, to prepare and to read.
@@ -172,12 +200,22 @@ impl AlignedTechnique {
 
     /// Records a frame; the guides must have been recorded before.
     ///
+    /// `offsets_px` are where the objects' textures lie, in their order, as [`AlignedFrame::offset_px`] is for those
+    /// beyond the last. A host that lets them follow the objects starts with that one for all and takes from each what
+    /// [`screen_displacements`] gives for every step; double precision keeps the sum exact however long it goes on.
+    ///
     /// # Errors
-    /// Those of [`AlignedFrame::check`]; nothing is recorded then.
-    pub fn record(&self, recorder: &mut Recorder<'_>, frame: &AlignedFrame) -> Result<()> {
+    /// Those of [`AlignedFrame::check`], and [`Error::Parameter`] for an offset that is not finite; nothing is recorded
+    /// then.
+    pub fn record(&self, recorder: &mut Recorder<'_>, frame: &AlignedFrame, offsets_px: &[[f64; 2]]) -> Result<()> {
         frame.check()?;
+        if let Some(stray) = offsets_px.as_flattened().iter().find(|offset| !offset.is_finite()) {
+            return Err(Error::parameter("offsets_px", stray, "finite"));
+        }
+        let texels = self.object_texels(frame, offsets_px);
+        recorder.update_buffer("aligned objects", &self.staged, bytemuck::cast_slice(&texels));
+        recorder.upload_image("aligned objects", &self.staged, &self.objects);
         let push = Push {
-            offset: frame.offset_px,
             range: frame.range.to_array(),
             scale: frame.density / self.levels.params().size_px as f32,
             levels: self.levels.params().levels,
@@ -187,6 +225,17 @@ impl AlignedTechnique {
         };
         self.pass.record(recorder, &[(&self.set, push)]);
         Ok(())
+    }
+
+    fn object_texels(&self, frame: &AlignedFrame, offsets_px: &[[f64; 2]]) -> Vec<ObjectTexel> {
+        let repeat_px = f64::from(self.levels.params().size_px) / f64::from(frame.density);
+        let texel = |(object, &paint): (usize, &u32)| {
+            let offset = offsets_px.get(object).copied().unwrap_or(frame.offset_px.map(f64::from));
+            // Taken to the first repeat before single precision would round it.
+            let offset = offset.map(|px| (px.round().rem_euclid(repeat_px) / repeat_px) as f32);
+            ObjectTexel { offset, paint, unused: 0 }
+        };
+        self.paint_of_object.iter().enumerate().map(texel).collect()
     }
 
     /// Stages other colours for one of the paints. Texture stays as it is.
