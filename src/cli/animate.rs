@@ -1,7 +1,7 @@
 //! `impasto animate`: frame after frame, to numbered pictures, a film or an animated GIF.
 //!
-//! A frame depends on nothing but its number, so that a run may be cut into parts that other machines make, and go on
-//! where it was interrupted. While the device works on a frame, other threads encode and write those before it.
+//! A run may be cut into parts that other machines make, and go on where it was interrupted: what a frame takes over from
+//! those before it is found from the first one on, without drawing them. While the device works on a frame, other threads encode and write those before it.
 
 use super::failure::{Failure, Result};
 use super::film::{Sink, Target};
@@ -36,7 +36,8 @@ pub struct AnimateArgs {
     /// Leave out the numbered pictures that are there already
     #[arg(long)]
     resume: bool,
-    /// Leave the texture of view-aligned projection still in the picture, instead of letting it follow the model
+    /// Let every frame stand alone: view-aligned texture stays still in the picture instead of following the model,
+    /// view-dependent texture is chosen anew instead of staying on faces that stay in sight
     #[arg(long)]
     still: bool,
     #[command(flatten)]
@@ -95,7 +96,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
         while !args.still && reached < number {
             reached += 1;
             let next = motion.at(reached, &shot.mesh)?.0;
-            painter.follow(&camera, &next)?;
+            painter.follow(&mut device, &camera, &next)?;
             camera = next;
         }
         painter.draw(None, &mut device, motion.at(number, &shot.mesh)?, number)?;

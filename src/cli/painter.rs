@@ -12,7 +12,7 @@ use impasto::scene::{Camera, GuidePass, Lights, Mesh};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{screen_displacement, AlignedFrame, AlignedTechnique, LevelVolume};
-use impasto::technique::dependent::{CoverageReport, DependentTechnique, ViewCoverage};
+use impasto::technique::dependent::{Carry, CoverageReport, DependentTechnique, ViewCoverage};
 use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::object::ObjectTechnique;
 use impasto::technique::{ShadeRange, Show};
@@ -35,6 +35,8 @@ pub struct Painter<'a> {
     technique: Prepared,
     range: ShadeRange,
     seed: u32,
+    /// Whether texture has followed to the frame that is drawn next.
+    followed: bool,
 }
 
 enum Prepared {
@@ -126,15 +128,26 @@ impl<'a> Painter<'a> {
                     progress.step();
                 }
                 technique.finish_preparation();
+                carry(device, &technique, &scene.camera, Carry::Cut)?;
                 Prepared::Dependent(Box::new(technique), covered.report)
             }
         };
-        Ok(Painter { scene, camera: scene.camera, lights: scene.lights.clone(), guides, technique, range, seed })
+        Ok(Painter {
+            scene,
+            camera: scene.camera,
+            lights: scene.lights.clone(),
+            guides,
+            technique,
+            range,
+            seed,
+            followed: false,
+        })
     }
 
     /// Draws what frame `number` is made of, through a camera and in lights: the guides, and what is synthesised anew
     /// for every frame, with a progress bar of the `session` if one is given. The range of shade stays, but for
-    /// image-based synthesis, which finds that of every frame.
+    /// image-based synthesis, which finds that of every frame. Without [`Painter::follow`] before it, the frame stands
+    /// alone.
     pub fn draw(
         &mut self,
         session: Option<&Session>,
@@ -144,18 +157,27 @@ impl<'a> Painter<'a> {
     ) -> Result {
         (self.camera, self.lights) = (camera, lights);
         device.runner.run(|recorder| self.guides.record(recorder, &self.camera, &self.lights))?;
-        if let Prepared::Image(technique) = &self.technique {
-            synthesise(session, device, technique, self.seed, number)?;
+        let followed = std::mem::take(&mut self.followed);
+        match &self.technique {
+            Prepared::Image(technique) => synthesise(session, device, technique, self.seed, number)?,
+            Prepared::Dependent(technique, _) if !followed => carry(device, technique, &self.camera, Carry::Cut)?,
+            _ => {}
         }
         Ok(())
     }
 
-    /// Lets what lies in the plane of the picture follow the model from one camera to the next.
-    pub fn follow(&mut self, from: &Camera, to: &Camera) -> Result {
-        if let Prepared::Aligned(_, frame) = &mut self.technique {
-            let way = screen_displacement(self.scene.mesh, [from, to], self.scene.size.pair())?;
-            frame.offset_px = [frame.offset_px[0] - way[0], frame.offset_px[1] - way[1]];
+    /// Lets texture follow the model from one frame's camera to the next one's: to be called for every frame after the
+    /// first, which is the scene's, whether it is drawn or not.
+    pub fn follow(&mut self, device: &mut Device, from: &Camera, to: &Camera) -> Result {
+        match &mut self.technique {
+            Prepared::Aligned(_, frame) => {
+                let way = screen_displacement(self.scene.mesh, [from, to], self.scene.size.pair())?;
+                frame.offset_px = [frame.offset_px[0] - way[0], frame.offset_px[1] - way[1]];
+            }
+            Prepared::Dependent(technique, _) => carry(device, technique, to, Carry::Next)?,
+            Prepared::Image(_) | Prepared::Object(_) => {}
         }
+        self.followed = true;
         Ok(())
     }
 
@@ -169,7 +191,7 @@ impl<'a> Painter<'a> {
             }
             Prepared::Object(technique) => technique.record(recorder, camera, lights, self.range, show),
             Prepared::Aligned(technique, frame) => technique.record(recorder, &AlignedFrame { show, ..*frame }),
-            Prepared::Dependent(technique, _) => technique.record(recorder, camera, lights, show),
+            Prepared::Dependent(technique, _) => technique.record_picture(recorder, camera, lights, show),
         })?;
         from_texels(device.runner.read_image(self.image())?, size.pair())
     }
@@ -244,6 +266,14 @@ impl<'a> Painter<'a> {
     fn ids(&self, device: &mut Device) -> Result<Vec<u32>> {
         Ok(words(&device.runner.read_image(self.guides.id())?))
     }
+}
+
+/// Finds the texture of each face for a frame.
+fn carry(device: &mut Device, technique: &DependentTechnique, camera: &Camera, carry: Carry) -> Result {
+    Ok(device.runner.run(|recorder| {
+        technique.record_carry(recorder, camera, carry);
+        Ok(())
+    })?)
 }
 
 /// Synthesises a frame.

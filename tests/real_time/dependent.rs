@@ -125,7 +125,7 @@ fn dependent_frames_have_no_gaps_and_move_without_a_jump() {
 }
 
 /// The face that a ray from the eye hits first, and where (Moeller and Trumbore 1997).
-fn hit(mesh: &Mesh, eye: Vec3, ray: Vec3) -> Option<(usize, Vec3)> {
+pub fn hit(mesh: &Mesh, eye: Vec3, ray: Vec3) -> Option<(usize, Vec3)> {
     let corner = |vertex: u32| Vec3::from(mesh.positions()[vertex as usize]).as_dvec3();
     let (eye, ray) = (eye.as_dvec3(), ray.as_dvec3());
     let mut nearest = None;
@@ -145,7 +145,7 @@ fn hit(mesh: &Mesh, eye: Vec3, ray: Vec3) -> Option<(usize, Vec3)> {
 }
 
 /// The frame as it reads in chapter 8, a ray at a time: the texture at a point of a face.
-fn blended(covered: &Covered, texels: &[[u8; 4]], side: usize, from: Vec3, face: usize, point: Vec3) -> Vec4 {
+pub fn blended(covered: &Covered, texels: &[[u8; 4]], side: usize, from: Vec3, face: usize, point: Vec3) -> Vec4 {
     let directions: Vec<Vec3> = covered.slices.iter().map(|slice| slice.direction).collect();
     let weights = blend_weights(&directions, &covered.sets[covered.set_of_face[face] as usize], from);
     let (mut sum, mut total, mut squares) = (Vec4::ZERO, 0.0, 0.0);

@@ -3,9 +3,10 @@
 //! Prepared once: [`ViewCoverage`] draws the model from the important views and finds out which faces each of them
 //! shows whole, with further views until every face is shown by some; [`DependentTechnique`] then synthesises a texture
 //! for each view by guided quilting, as the image-based technique does for a picture, and stacks them into one 3D
-//! image. A face's place in a slice is where the slice's view shows it. Drawn for every frame: which slices each set of
-//! faces takes; a render pass over the mesh, for shade, set and distance of every pixel; and a pass over its pixels,
-//! which finds the surface's point by the distance and blends the slices. So what is dear is done once for a pixel,
+//! image. A face's place in a slice is where the slice's view shows it. Drawn for every frame: which slices faces take,
+//! each by the direction that it carries from frame to frame ([`Carry`]); a render pass over the mesh, for shade, corner
+//! and distance of every pixel; and a pass over its pixels, which finds the surface's point by the distance and blends
+//! the slices. So what is dear is done once for a pixel,
 //! however small the triangles are and however many lie behind one another.
 //!
 //! At most [`MAX_BLENDED`] slices are blended for a face ([`blend_weights`]), with the contrast given back that
@@ -13,12 +14,15 @@
 //! faces that it does not show, so that no seam is seen where it ends.
 
 mod blend;
+mod carry;
 mod coverage;
 mod faces;
 mod geometry;
 mod views;
 
 pub use blend::{blend_weights, MAX_BLENDED};
+pub use carry::Carry;
+pub(crate) use carry::DEPENDENT_CARRY;
 pub use coverage::{default_views, Coverage, CoverageReport, Covered, Round, Slice, View, MAX_SLICES, MAX_VIEWS};
 pub use views::ViewCoverage;
 
@@ -38,24 +42,13 @@ use crate::synthesis::volume::{SliceCopy, Volume};
 use crate::technique::image::ImageParams;
 use crate::{Error, Result};
 use ash::vk;
+use carry::CarryPass;
 use faces::FacePass;
 pub(crate) use faces::FACES;
-use geometry::{face_vertices, Vertex};
+use geometry::{face_corners, vertices, Vertex};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
-
-pub(crate) const DEPENDENT_BLEND: Shader = Shader {
-    name: "dependent_blend",
-    spirv: include_bytes!("../../../glsl/spirv/technique/dependent_blend.comp.spv"),
-    bindings: &[
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeWrite),
-    ],
-    push_bytes: size_of::<BlendPush>() as u32,
-};
 
 pub(crate) const DEPENDENT_FEATHER: Shader = Shader {
     name: "dependent_feather",
@@ -90,13 +83,6 @@ pub(crate) const DEPENDENT: RasterShader = RasterShader {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct BlendPush {
-    direction: [f32; 4],
-    sets: u32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct FeatherPush {
     columns: u32,
     radius: i32,
@@ -119,9 +105,6 @@ struct Push {
     keep_contrast: u32,
 }
 
-/// Sets of slices in a row of the picture of blends, as in the shaders.
-const SETS_ACROSS: u32 = 1024;
-
 /// How far a slice fades out towards faces that it does not show, as a part of its side: 12 pixels of 512.
 const FEATHER: u32 = 42;
 
@@ -136,11 +119,35 @@ pub struct DependentParams {
     pub keep_contrast: bool,
     /// The range of shade that is spread over the strip.
     pub range: ShadeRange,
+    /// By how many degrees, from a frame to the [`Carry::Next`], the direction that a face's texture was chosen by
+    /// follows the camera's while the face is in sight: 0 to 180. It follows faster where marks would be stretched. With
+    /// 180 every frame stands alone.
+    pub follow_deg: f32,
 }
 
 impl Default for DependentParams {
     fn default() -> Self {
-        DependentParams { quilt: QuiltParams::default(), k: None, keep_contrast: true, range: ShadeRange::default() }
+        DependentParams {
+            quilt: QuiltParams::default(),
+            k: None,
+            keep_contrast: true,
+            range: ShadeRange::default(),
+            follow_deg: 0.25,
+        }
+    }
+}
+
+impl DependentParams {
+    /// # Errors
+    /// [`Error::Parameter`] for a tileable quilting, and an angle out of range.
+    pub fn check(&self) -> Result<()> {
+        if self.quilt.tileable {
+            return Err(Error::parameter("tileable", true, "false for a view's texture: a view does not repeat"));
+        }
+        if !(0.0..=180.0).contains(&self.follow_deg) {
+            return Err(Error::parameter("follow_deg", self.follow_deg, "0 to 180 degrees"));
+        }
+        Ok(())
     }
 }
 
@@ -184,10 +191,7 @@ pub struct DependentTechnique {
     preparation: Option<Preparation>,
     volume: Volume,
     colors: ColorTable,
-    center: Vec3,
-    sets: u32,
-    blend_stage: ComputePipeline,
-    blend_set: BindingSet,
+    carry: CarryPass,
     mesh: MeshPass,
     index_count: u32,
     pass: PicturePass,
@@ -218,9 +222,7 @@ impl DependentTechnique {
         params: &DependentParams,
     ) -> Result<Self> {
         check_paints(paints.len(), paint_of_object, mesh.objects().len())?;
-        if params.quilt.tileable {
-            return Err(Error::parameter("tileable", true, "false for a view's texture: a view does not repeat"));
-        }
+        params.check()?;
         let slices = covered.slices.len() as u32;
         let volume = Volume::new(context, "views", (view_px, view_px), slices)?;
         let preparation = Preparation::new(
@@ -239,55 +241,32 @@ impl DependentTechnique {
         let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
 
         let (set_of_face, sets) = sets_with_paint(mesh, covered, paint_of_object);
-        // The slices of every set, one list after the other, and the slices' directions and projections.
-        let mut lists: Vec<u32> = Vec::new();
-        let mut starts: Vec<[u32; 2]> = Vec::with_capacity(sets.len() + 1);
-        for &(set, paint) in &sets {
-            starts.push([lists.len() as u32, paint]);
-            lists.extend(covered.sets.get(set as usize).into_iter().flatten().map(|&slice| u32::from(slice)));
-        }
-        starts.push([lists.len() as u32, 0]);
-        let directions: Vec<[f32; 4]> =
-            covered.slices.iter().map(|slice| slice.direction.extend(0.0).to_array()).collect();
+        let (corners, list) = face_corners(mesh, &set_of_face);
+        let center = mesh.bounding_sphere().center;
+        let carry = CarryPass::new(context, uploads, &corners, &sets, covered, center, params.follow_deg)?;
         let mut rows: Vec<[f32; 4]> = Vec::with_capacity(3 * covered.slices.len());
         for slice in &covered.slices {
             let projection = slice.camera.view_projection(1.0)?;
             rows.extend([0, 1, 3].map(|row| projection.row(row).to_array()));
         }
-        let mut storage = |name, data: &[u8]| {
-            let buffer = Buffer::new(context, name, BufferKind::Storage, data.len() as u64)?;
-            uploads.buffer(context, &buffer, data)?;
-            Ok::<_, Error>(buffer)
-        };
-        let starts = storage("starts of sets", bytemuck::cast_slice(&starts))?;
-        let lists = storage("slices of sets", bytemuck::cast_slice(&lists))?;
-        let directions = storage("directions of slices", bytemuck::cast_slice(&directions))?;
-        let sets = sets.len() as u32;
-        let desc = ImageDesc::storage_2d(SETS_ACROSS, sets.div_ceil(SETS_ACROSS), vk::Format::R32G32B32A32_UINT);
-        let blends = Image::new(context, "blends of sets", &desc)?;
         let desc = ImageDesc::storage_2d(3, slices, vk::Format::R32G32B32A32_SFLOAT);
         let projections = Image::new(context, "projections", &desc)?;
         uploads.image(context, &projections, bytemuck::cast_slice(&rows))?;
-        let blend_stage = ComputePipeline::new(context, &DEPENDENT_BLEND)?;
-        let bound = [(&starts).into(), (&lists).into(), (&directions).into(), (&blends).into()];
-        let blend_set = BindingSet::new(context, &blend_stage, &bound)?;
-
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
         let image = |name, format| Image::new(context, name, &ImageDesc::drawn(size.0, size.1, format));
         let shade = image("dependent shade", vk::Format::R32_SFLOAT)?;
-        let set = image("dependent set", vk::Format::R32_UINT)?;
+        let corner = image("dependent corner", vk::Format::R32_UINT)?;
         let along = image("dependent distance", vk::Format::R32_SFLOAT)?;
-        let (vertices, list) = face_vertices(mesh, &set_of_face);
         let desc = MeshDesc {
             shader: DEPENDENT_MESH,
             constants: &[],
-            images: &[&shade, &set, &along],
+            images: &[&shade, &corner, &along],
             attributes: &[
                 attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
                 attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
-                attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, set)),
+                attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, corner)),
             ],
-            vertices: &vertices,
+            vertices: &vertices(&corners),
             indices: &list,
         };
         let mesh_pass = MeshPass::new(context, uploads, mesh, &desc)?;
@@ -295,9 +274,9 @@ impl DependentTechnique {
         let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
         let bound = [
             (&shade).into(),
-            (&set).into(),
+            (&corner).into(),
             (&along).into(),
-            (&blends).into(),
+            carry.blends().into(),
             (&projections).into(),
             (volume.image(), &sampler).into(),
             colors.image().into(),
@@ -308,10 +287,7 @@ impl DependentTechnique {
             preparation: Some(preparation),
             volume,
             colors,
-            center: mesh.bounding_sphere().center,
-            sets,
-            blend_stage,
-            blend_set,
+            carry,
             mesh: mesh_pass,
             index_count: list.len() as u32,
             pass,
@@ -378,17 +354,34 @@ impl DependentTechnique {
         self.preparation = None;
     }
 
-    /// Records a frame.
+    /// Records a frame that stands alone: [`DependentTechnique::record_carry`] with [`Carry::Cut`], and the picture.
+    ///
+    /// # Errors
+    /// Those of [`DependentTechnique::record_picture`].
+    pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, lights: &Lights, show: Show) -> Result<()> {
+        self.record_carry(recorder, camera, Carry::Cut);
+        self.record_picture(recorder, camera, lights, show)
+    }
+
+    /// Records which texture faces take in a frame, without drawing it. Pictures of frames in between may be left out:
+    /// those of later ones stay the same as long as this is recorded for every frame from the cut on.
+    pub fn record_carry(&self, recorder: &mut Recorder<'_>, camera: &Camera, carry: Carry) {
+        self.carry.record(recorder, camera, carry);
+    }
+
+    /// Records a picture of faces with the texture that was recorded last.
     ///
     /// # Errors
     /// [`Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
-    pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, lights: &Lights, show: Show) -> Result<()> {
+    pub fn record_picture(
+        &self,
+        recorder: &mut Recorder<'_>,
+        camera: &Camera,
+        lights: &Lights,
+        show: Show,
+    ) -> Result<()> {
         let view_projection = self.mesh.view_projection(camera)?;
         let rays = rays(camera, self.frame().size_px())?;
-        // An eye at the very middle of the model has no direction but the one that it looks along.
-        let direction = (camera.eye() - self.center).try_normalize().unwrap_or(-camera.forward());
-        let push = BlendPush { direction: direction.extend(0.0).to_array(), sets: self.sets };
-        recorder.dispatch(&self.blend_stage, &self.blend_set, &push, [self.sets.div_ceil(64), 1, 1]);
         let push = MeshPush { view_projection, light: lights.mean_direction().extend(0.0).to_array() };
         self.mesh.record(recorder, camera, &[Draw { set: None, push, range: 0..self.index_count }]);
         let push = Push {
@@ -429,6 +422,13 @@ impl DependentTechnique {
     /// finished.
     pub fn guide(&self) -> Option<&Image> {
         self.preparation.as_ref().and_then(|preparation| preparation.quilts.first()).and_then(Quilt::guide)
+    }
+
+    /// What is carried, for each vertex in which faces of one set of slices begin, one after the other in rows: the
+    /// direction that they take their texture by, a unit vector from the middle of the model, and the cosine of the
+    /// angle between the vertex's normal and the way from the eye: R32G32B32A32_SFLOAT.
+    pub fn carried(&self) -> &Image {
+        self.carry.carried()
     }
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.

@@ -1,0 +1,168 @@
+//! By which direction faces take their texture, carried from frame to frame (thesis chapter 8: "we copy the resulting
+//! texture from the faces in v to the corresponding faces in v+1").
+//!
+//! Copied texels would blur more with every frame. What is carried is the direction that the texture was chosen by: the
+//! same slices in the same shares, sampled anew, are the same texture. It is kept for each corner that faces begin at,
+//! rather than for each face: there are half as many, and a corner's normal, unlike a face's, differs little from its
+//! neighbours', so that they come into sight together and their textures fit.
+//!
+//! A carried direction turns towards the camera's, slowly, so that a picture at rest becomes that of its own view. It
+//! turns faster in two cases, and the more so the more they are given, so that no edges come about:
+//!
+//! - The corner is turned away from the eye. Beyond 30 degrees behind the horizon its direction is the camera's. So what
+//!   comes into sight has the direction that it came into sight by, and passes over into what was never out of sight.
+//!   Being hidden by other parts, or outside of the picture, makes nothing forget.
+//! - The corner came into sight at a grazing angle and is now seen much straighter. Views from beside it show its
+//!   texture stretched. A turn of up to 14 degrees never counts.
+
+use super::coverage::Covered;
+use super::geometry::Corner;
+use crate::gpu::{
+    Access, BindingKind, BindingSet, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader, Uploads,
+};
+use crate::scene::{Camera, Vec3};
+use crate::Result;
+use ash::vk;
+
+pub(crate) const DEPENDENT_CARRY: Shader = Shader {
+    name: "dependent_carry",
+    spirv: include_bytes!("../../../glsl/spirv/technique/dependent_carry.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeReadWrite),
+        BindingKind::Image(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<Push>() as u32,
+};
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Push {
+    direction: [f32; 4],
+    eye: [f32; 4],
+    count: u32,
+    cut: u32,
+    turn: f32,
+}
+
+/// Texels in a row of what is looked up by number, as in the shaders.
+const ACROSS: u32 = 4096;
+
+/// Whether a frame goes on from the one before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carry {
+    /// It stands alone, or a shot begins: faces take their texture by its own direction, whatever was before.
+    Cut,
+    /// It follows the one that was recorded last: faces that stay in sight keep their texture.
+    Next,
+}
+
+/// The pass that finds which slices faces take.
+pub(super) struct CarryPass {
+    stage: ComputePipeline,
+    set: BindingSet,
+    blends: Image,
+    carried: Image,
+    center: Vec3,
+    count: u32,
+    follow_deg: f32,
+}
+
+impl CarryPass {
+    /// Prepares the pass for the corners of faces and their sets, which are pairs of one of `covered` and a paint.
+    /// `center` is the middle of the model.
+    pub fn new(
+        context: &Context,
+        uploads: &mut Uploads,
+        corners: &[Corner],
+        sets: &[(u32, u32)],
+        covered: &Covered,
+        center: Vec3,
+        follow_deg: f32,
+    ) -> Result<Self> {
+        // The slices of every set, one list after the other.
+        let mut slices: Vec<u32> = Vec::new();
+        let list = |&(set, paint): &(u32, u32)| {
+            let begin = slices.len() as u32;
+            slices.extend(covered.sets.get(set as usize).into_iter().flatten().map(|&slice| u32::from(slice)));
+            [begin, slices.len() as u32, paint, 0]
+        };
+        let lists: Vec<[u32; 4]> = sets.iter().map(list).collect();
+        let lists: Vec<[u32; 4]> =
+            corners.iter().map(|corner| lists.get(corner.set as usize).copied().unwrap_or_default()).collect();
+        let places: Vec<[u32; 4]> = corners.iter().map(place).collect();
+        let directions: Vec<[f32; 4]> =
+            covered.slices.iter().map(|slice| slice.direction.extend(0.0).to_array()).collect();
+
+        let integers = vk::Format::R32G32B32A32_UINT;
+        let floats = vk::Format::R32G32B32A32_SFLOAT;
+        let places = table(context, uploads, "corners", integers, &places)?;
+        let lists = table(context, uploads, "sets of corners", integers, &lists)?;
+        let slices = table(context, uploads, "slices of sets", vk::Format::R32_UINT, &slices)?;
+        let directions = table(context, uploads, "directions of slices", floats, &directions)?;
+        // As if all had been turned away, so that a first frame is a cut in any case.
+        let nothing = vec![[0.0_f32, 0.0, 0.0, 1.0]; corners.len()];
+        let carried = table(context, uploads, "carried directions", floats, &nothing)?;
+        let blends = Image::new(context, "blends of corners", &table_desc(corners.len(), integers))?;
+        let stage = ComputePipeline::new(context, &DEPENDENT_CARRY)?;
+        let bound = [&places, &lists, &slices, &directions, &carried, &blends].map(Into::into);
+        let set = BindingSet::new(context, &stage, &bound)?;
+        Ok(CarryPass { stage, set, blends, carried, center, count: corners.len() as u32, follow_deg })
+    }
+
+    /// How much of which slices the faces of each corner take: weights, slices and paint.
+    pub fn blends(&self) -> &Image {
+        &self.blends
+    }
+
+    /// The direction of each corner, and how far it is turned away.
+    pub fn carried(&self) -> &Image {
+        &self.carried
+    }
+
+    /// Records the pass.
+    pub fn record(&self, recorder: &mut Recorder<'_>, camera: &Camera, carry: Carry) {
+        // An eye at the very middle of the model has no direction but the one that it looks along.
+        let direction = (camera.eye() - self.center).try_normalize().unwrap_or(-camera.forward());
+        let at_once = self.follow_deg == 180.0;
+        let push = Push {
+            direction: direction.extend(0.0).to_array(),
+            eye: camera.eye().extend(0.0).to_array(),
+            count: self.count,
+            cut: u32::from(carry == Carry::Cut || at_once),
+            turn: (f64::from(self.follow_deg).to_radians() / 2.0).tan() as f32,
+        };
+        recorder.dispatch(&self.stage, &self.set, &push, [self.count.div_ceil(64), 1, 1]);
+    }
+}
+
+/// A corner as the shader reads it: its place, and its normal in four times 8 bits.
+fn place(corner: &Corner) -> [u32; 4] {
+    let [x, y, z] = corner.normal.map(|v| (v.clamp(-1.0, 1.0) * 127.0).round() as i8 as u8);
+    let [px, py, pz] = corner.position.map(f32::to_bits);
+    [px, py, pz, u32::from_le_bytes([x, y, z, 0])]
+}
+
+fn table_desc(count: usize, format: vk::Format) -> ImageDesc {
+    let count = count.max(1) as u32;
+    ImageDesc::storage_2d(ACROSS.min(count), count.div_ceil(ACROSS), format)
+}
+
+/// Values to be looked up by number: number i is in column i % [`ACROSS`] and row i / [`ACROSS`].
+fn table<T: bytemuck::Pod>(
+    context: &Context,
+    uploads: &mut Uploads,
+    name: &'static str,
+    format: vk::Format,
+    values: &[T],
+) -> Result<Image> {
+    let desc = table_desc(values.len(), format);
+    let image = Image::new(context, name, &desc)?;
+    let mut texels = values.to_vec();
+    texels.resize((desc.size_px[0] * desc.size_px[1]) as usize, T::zeroed());
+    uploads.image(context, &image, bytemuck::cast_slice(&texels))?;
+    Ok(image)
+}
