@@ -1,7 +1,8 @@
 //! `impasto animate`: frame after frame, to numbered pictures, a film or an animated GIF.
 //!
-//! A run may be cut into parts that other machines make, and go on where it was interrupted: what a frame takes over from
-//! those before it is found from the first one on, without drawing them. While the device works on a frame, other threads encode and write those before it.
+//! A run may be cut into parts that other machines make, and go on where it was interrupted: what a frame takes over
+//! from those before it is found from the first one on, without drawing them. While the device works on a frame, other
+//! threads encode and write those before it.
 
 use super::failure::{Failure, Result};
 use super::film::{Sink, Target};

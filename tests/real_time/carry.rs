@@ -152,7 +152,6 @@ fn faces_that_stay_in_sight_keep_their_texture() {
     // From near, with large marks: rounding ways to pixels would be most of what is compared otherwise.
     let mut shot = Shot::new("head.obj", &strip("strip_green_yellow.png").0, 0.0);
     let near = |camera: Camera| camera.moved_away(0.4).expect("a camera").fit_depth(&shot.mesh);
-    let near = |camera: Camera| camera.moved_away(0.4).expect("a camera").fit_depth(&shot.mesh);
     let cameras: Vec<Camera> = (0..=20).map(|step| near(shot.camera(1.4 * step as f32, 10.0))).collect();
     let (first, last) = (cameras[0], cameras[20]);
     let before = shot.alone(&first);

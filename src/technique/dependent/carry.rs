@@ -9,9 +9,9 @@
 //! A carried direction turns towards the camera's, slowly, so that a picture at rest becomes that of its own view. It
 //! turns faster in two cases, and the more so the more they are given, so that no edges come about:
 //!
-//! - The corner is turned away from the eye. Beyond 30 degrees behind the horizon its direction is the camera's. So what
-//!   comes into sight has the direction that it came into sight by, and passes over into what was never out of sight.
-//!   Being hidden by other parts, or outside of the picture, makes nothing forget.
+//! - The corner is turned away from the eye. Beyond 30 degrees behind the horizon its direction is the camera's. So
+//!   what comes into sight has the direction that it came into sight by, and passes over into what was never out of
+//!   sight. Being hidden by other parts, or outside of the picture, makes nothing forget.
 //! - The corner came into sight at a grazing angle and is now seen much straighter. Views from beside it show its
 //!   texture stretched. A turn of up to 14 degrees never counts.
 

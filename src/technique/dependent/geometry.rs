@@ -21,8 +21,8 @@ pub(super) struct Corner {
     pub set: u32,
 }
 
-/// Corners, one for each vertex to draw, and indices. Vertices are doubled only where faces of several sets begin at one:
-/// the corners of a face are turned so that it begins where one of its set is there already.
+/// Corners, one for each vertex to draw, and indices. Vertices are doubled only where faces of several sets begin at
+/// one: the corners of a face are turned so that it begins where one of its set is there already.
 pub(super) fn face_corners(mesh: &Mesh, set_of_face: &[u32]) -> (Vec<Corner>, Vec<u32>) {
     let mut vertices: Vec<Corner> = Vec::with_capacity(mesh.positions().len());
     let mut made: HashMap<(u32, u32), u32> = HashMap::with_capacity(mesh.positions().len());

@@ -4,9 +4,9 @@
 //! shows whole, with further views until every face is shown by some; [`DependentTechnique`] then synthesises a texture
 //! for each view by guided quilting, as the image-based technique does for a picture, and stacks them into one 3D
 //! image. A face's place in a slice is where the slice's view shows it. Drawn for every frame: which slices faces take,
-//! each by the direction that it carries from frame to frame ([`Carry`]); a render pass over the mesh, for shade, corner
-//! and distance of every pixel; and a pass over its pixels, which finds the surface's point by the distance and blends
-//! the slices. So what is dear is done once for a pixel,
+//! each by the direction that it carries from frame to frame ([`Carry`]); a render pass over the mesh, for shade,
+//! corner and distance of every pixel; and a pass over its pixels, which finds the surface's point by the distance and
+//! blends the slices. So what is dear is done once for a pixel,
 //! however small the triangles are and however many lie behind one another.
 //!
 //! At most [`MAX_BLENDED`] slices are blended for a face ([`blend_weights`]), with the contrast given back that
@@ -120,8 +120,8 @@ pub struct DependentParams {
     /// The range of shade that is spread over the strip.
     pub range: ShadeRange,
     /// By how many degrees, from a frame to the [`Carry::Next`], the direction that a face's texture was chosen by
-    /// follows the camera's while the face is in sight: 0 to 180. It follows faster where marks would be stretched. With
-    /// 180 every frame stands alone.
+    /// follows the camera's while the face is in sight: 0 to 180. It follows faster where marks would be stretched.
+    /// With 180 every frame stands alone.
     pub follow_deg: f32,
 }
 
@@ -204,8 +204,8 @@ impl DependentTechnique {
     /// `paints[paint_of_object[i]]`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for parameters out of range, a tileable quilting, a strip smaller than a block, no paint, or
-    /// an object without one; [`Error::Device`] when the device's 3D images are too small; [`Error::Memory`] when the
+    /// [`Error::Parameter`] for parameters out of range, a tileable quilting, a strip smaller than a block, no paint,
+    /// or an object without one; [`Error::Device`] when the device's 3D images are too small; [`Error::Memory`] when the
     /// budget does not allow it.
     #[allow(clippy::too_many_arguments)] // the device, the scene, the paints, the way
     pub fn new(
