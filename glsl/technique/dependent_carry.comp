@@ -3,7 +3,7 @@
 // frame, and how much of which slices they take, seen from there (thesis chapter 8; weights after Buehler et al. 2001).
 // One invocation a corner; that of number i is in column i % 4096 and row i / 4096.
 // In:  each corner's place, and its normal in four times 8 bits; where its set's slices begin and end, and its paint;
-//      the slices of every set; the direction of every slice.
+//      the slices of every set, each with its direction before its number.
 // Carried: direction, and how far the corner was turned away from the eye (the negative cosine).
 // Out: four weights of 16 bits, the four slices of 8 bits, the paint.
 
@@ -11,10 +11,9 @@ layout(local_size_x = 64) in;
 
 layout(binding = 0, rgba32ui) uniform readonly uimage2D corners;
 layout(binding = 1, rgba32ui) uniform readonly uimage2D sets;
-layout(binding = 2, r32ui) uniform readonly uimage2D slices;
-layout(binding = 3, rgba32f) uniform readonly image2D directions;
-layout(binding = 4, rgba32f) uniform image2D carried;
-layout(binding = 5, rgba32ui) uniform writeonly uimage2D blends;
+layout(binding = 2, rgba32f) uniform readonly image2D slices;
+layout(binding = 3, rgba32f) uniform image2D carried;
+layout(binding = 4, rgba32ui) uniform writeonly uimage2D blends;
 
 layout(push_constant) uniform Push {
     // From the middle of the model towards the eye, unit length.
@@ -84,8 +83,9 @@ void main() {
     uint nearest[5] = uint[](0, 0, 0, 0, 0);
     uvec4 set = imageLoad(sets, place(number));
     for (uint i = set.x; i < set.y; i++) {
-        uint slice = imageLoad(slices, place(i)).r;
-        vec3 apart = imageLoad(directions, ivec2(slice, 0)).xyz - direction;
+        vec4 of_slice = imageLoad(slices, place(i));
+        uint slice = uint(of_slice.w);
+        vec3 apart = of_slice.xyz - direction;
         // 1 - the cosine of the angle between the two, exact for small angles as well.
         float a = 0.5 * dot(apart, apart);
         bool placed = false;

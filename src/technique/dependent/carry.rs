@@ -3,7 +3,7 @@
 //!
 //! Copied texels would blur more with every frame. What is carried is the direction that the texture was chosen by: the
 //! same slices in the same shares, sampled anew, are the same texture. It is kept for each corner that faces begin at,
-//! rather than for each face: there are half as many, and a corner's normal, unlike a face's, differs little from its
+//! rather than for each face: there are several times fewer, and a corner's normal, unlike a face's, differs little from its
 //! neighbours', so that they come into sight together and their textures fit.
 //!
 //! A carried direction turns towards the camera's, slowly, so that a picture at rest becomes that of its own view. It
@@ -28,7 +28,6 @@ pub(crate) const DEPENDENT_CARRY: Shader = Shader {
     name: "dependent_carry",
     spirv: include_bytes!("../../../glsl/spirv/technique/dependent_carry.comp.spv"),
     bindings: &[
-        BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
@@ -83,32 +82,33 @@ impl CarryPass {
         center: Vec3,
         follow_deg: f32,
     ) -> Result<Self> {
-        // The slices of every set, one list after the other.
-        let mut slices: Vec<u32> = Vec::new();
+        // The slices of every set, one list after the other, each with its direction.
+        let mut slices: Vec<[f32; 4]> = Vec::new();
+        let slice = |&slice: &u8| {
+            let of_slice = covered.slices.get(usize::from(slice));
+            of_slice.map(|of_slice| of_slice.direction.extend(f32::from(slice)).to_array())
+        };
         let list = |&(set, paint): &(u32, u32)| {
             let begin = slices.len() as u32;
-            slices.extend(covered.sets.get(set as usize).into_iter().flatten().map(|&slice| u32::from(slice)));
+            slices.extend(covered.sets.get(set as usize).into_iter().flatten().filter_map(slice));
             [begin, slices.len() as u32, paint, 0]
         };
         let lists: Vec<[u32; 4]> = sets.iter().map(list).collect();
         let lists: Vec<[u32; 4]> =
             corners.iter().map(|corner| lists.get(corner.set as usize).copied().unwrap_or_default()).collect();
         let places: Vec<[u32; 4]> = corners.iter().map(place).collect();
-        let directions: Vec<[f32; 4]> =
-            covered.slices.iter().map(|slice| slice.direction.extend(0.0).to_array()).collect();
 
         let integers = vk::Format::R32G32B32A32_UINT;
         let floats = vk::Format::R32G32B32A32_SFLOAT;
         let places = table(context, uploads, "corners", integers, &places)?;
         let lists = table(context, uploads, "sets of corners", integers, &lists)?;
-        let slices = table(context, uploads, "slices of sets", vk::Format::R32_UINT, &slices)?;
-        let directions = table(context, uploads, "directions of slices", floats, &directions)?;
+        let slices = table(context, uploads, "slices of sets", floats, &slices)?;
         // As if all had been turned away, so that a first frame is a cut in any case.
         let nothing = vec![[0.0_f32, 0.0, 0.0, 1.0]; corners.len()];
         let carried = table(context, uploads, "carried directions", floats, &nothing)?;
         let blends = Image::new(context, "blends of corners", &table_desc(corners.len(), integers))?;
         let stage = ComputePipeline::new(context, &DEPENDENT_CARRY)?;
-        let bound = [&places, &lists, &slices, &directions, &carried, &blends].map(Into::into);
+        let bound = [&places, &lists, &slices, &carried, &blends].map(Into::into);
         let set = BindingSet::new(context, &stage, &bound)?;
         Ok(CarryPass { stage, set, blends, carried, center, count: corners.len() as u32, follow_deg })
     }

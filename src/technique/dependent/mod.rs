@@ -45,7 +45,7 @@ use ash::vk;
 use carry::CarryPass;
 use faces::FacePass;
 pub(crate) use faces::FACES;
-use geometry::{face_corners, vertices, Vertex};
+use geometry::{face_corners, Vertex};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -241,7 +241,7 @@ impl DependentTechnique {
         let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
 
         let (set_of_face, sets) = sets_with_paint(mesh, covered, paint_of_object);
-        let (corners, list) = face_corners(mesh, &set_of_face);
+        let (corners, vertices, list) = face_corners(mesh, &set_of_face);
         let center = mesh.bounding_sphere().center;
         let carry = CarryPass::new(context, uploads, &corners, &sets, covered, center, params.follow_deg)?;
         let mut rows: Vec<[f32; 4]> = Vec::with_capacity(3 * covered.slices.len());
@@ -266,7 +266,7 @@ impl DependentTechnique {
                 attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
                 attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, corner)),
             ],
-            vertices: &vertices(&corners),
+            vertices: &vertices,
             indices: &list,
         };
         let mesh_pass = MeshPass::new(context, uploads, mesh, &desc)?;
