@@ -84,7 +84,7 @@ mod tests {
         let faces = mesh.indices().len() / 3;
         let sets: Vec<u32> = (0..faces as u32).map(|face| (face / 7) % 5).collect();
         let (corners, vertices, indices) = face_corners(&mesh, &sets);
-        assert!(corners.len() < faces / 2, "{} corners for {faces} faces", corners.len());
+        assert!(corners.len() < vertices.len(), "{} corners", corners.len());
         assert_eq!(indices.len(), mesh.indices().len());
         assert!(vertices.len() < faces * 2, "{} vertices for {faces} faces", vertices.len());
         for (face, (own, old)) in indices.chunks(3).zip(mesh.indices().chunks(3)).enumerate() {
