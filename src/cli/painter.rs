@@ -13,7 +13,7 @@ use impasto::scene::{GuidePass, Mesh, Moment};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{screen_displacement, AlignedFrame, AlignedTechnique, LevelVolume};
-use impasto::technique::dependent::{CoverageReport, DependentTechnique, ViewCoverage};
+use impasto::technique::dependent::{Carry, CoverageReport, DependentTechnique, ViewCoverage};
 use impasto::technique::image::ImageParams;
 use impasto::technique::object::ObjectTechnique;
 use impasto::technique::{ShadeRange, Show};
@@ -154,7 +154,13 @@ impl<'a> Painter<'a> {
                 let way = screen_displacement(self.scene.mesh, cameras, self.scene.size.pair())?;
                 frame.offset_px = [frame.offset_px[0] - way[0], frame.offset_px[1] - way[1]];
             }
-            Prepared::Dependent(..) => {}
+            Prepared::Dependent(technique, _) => {
+                let carry = if fresh { Carry::Cut } else { Carry::Next };
+                device.runner.run(|recorder| {
+                    technique.record_carry(recorder, next.moment, carry);
+                    Ok(())
+                })?;
+            }
         }
         self.moment = next.moment.clone();
         self.began = true;
@@ -180,7 +186,7 @@ impl<'a> Painter<'a> {
                 device.runner.run(|recorder| technique.record(recorder, &AlignedFrame { show, ..*frame }))?;
             }
             Prepared::Dependent(technique, _) => {
-                device.runner.run(|recorder| technique.record(recorder, moment, show))?;
+                device.runner.run(|recorder| technique.record_picture(recorder, moment, show))?;
             }
         }
         from_texels(device.runner.read_image(self.image())?, size.pair())
