@@ -12,7 +12,7 @@ use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{
     screen_displacements, AlignedFrame, AlignedTechnique, LevelParams, LevelSource, LevelVolume,
 };
-use impasto::technique::dependent::{default_views, DependentParams, DependentTechnique, ViewCoverage};
+use impasto::technique::dependent::{default_views, Carry, DependentParams, DependentTechnique, ViewCoverage};
 use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::object::{ObjectParams, ObjectTechnique};
 use impasto::technique::{Paint, ShadeRange, Show};
@@ -168,6 +168,17 @@ fn main() -> Result {
     })?;
     frames(&mut runner, rounds, "view-dependent", Some(dependent.frame()), |recorder| {
         dependent.record(recorder, &moment, Show::Painted)
+    })?;
+    // By two eyes in turn, so that every direction follows one of them in every frame.
+    let aside =
+        Camera::framing(&mesh, &Framing { yaw_deg: Framing::default().yaw_deg + 90.0, ..Default::default() }, 1.0)?;
+    let aside = Moment::at_rest(aside, Lights::default());
+    let turn = std::cell::Cell::new(false);
+    frames(&mut runner, rounds, "view-dependent, carried", None, |recorder| {
+        turn.set(!turn.get());
+        let seen = if turn.get() { &aside } else { &moment };
+        dependent.record_carry(recorder, seen, Carry::Next);
+        dependent.record_picture(recorder, &moment, Show::Painted)
     })?;
 
     // What a host does for every frame when the texture follows the objects.

@@ -24,7 +24,7 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
         ("technique/image_guide.comp", image::IMAGE_GUIDE),
         ("technique/image_recombine.comp", image::IMAGE_RECOMBINE),
         ("technique/image_blend.comp", image::IMAGE_BLEND),
-        ("technique/dependent_blend.comp", dependent::DEPENDENT_BLEND),
+        ("technique/dependent_carry.comp", dependent::DEPENDENT_CARRY),
         ("technique/dependent_feather.comp", dependent::DEPENDENT_FEATHER),
     ]
 }

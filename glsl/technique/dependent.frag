@@ -1,7 +1,7 @@
 #version 450
 // View-dependent interpolation, second pass (thesis chapter 8): texture from the slices of the views that show the
 // face, each at the place where its view shows the point; colour by shade.
-// In:  shade, set of slices and distance of each pixel's surface, the blend of every set, the rows x, y and w of each
+// In:  shade, corner and distance of each pixel's surface, the blend of every corner, the rows x, y and w of each
 //      slice's projection, the slices, the paints' colours, for each object the rows that take world space to the
 //      mesh's.
 // Out: frame, straight alpha, background 0.
@@ -9,7 +9,7 @@
 #include "paint.glsl"
 
 layout(binding = 0, r32f) uniform readonly image2D shade;
-layout(binding = 1, r32ui) uniform readonly uimage2D set;
+layout(binding = 1, r32ui) uniform readonly uimage2D corner;
 layout(binding = 2, r32f) uniform readonly image2D along;
 layout(binding = 3, rgba32ui) uniform readonly uimage2D blends;
 layout(binding = 4, rgba32f) uniform readonly image2D projections;
@@ -44,13 +44,13 @@ vec4 slice_at(uint slice, vec4 position) {
 
 void main() {
     ivec2 p = ivec2(gl_FragCoord.xy);
-    uint s = imageLoad(set, p).r;
-    uvec4 blend = imageLoad(blends, ivec2(s & 1023u, s >> 10));
+    uint c = imageLoad(corner, p).r;
+    uvec4 blend = imageLoad(blends, ivec2(c & 4095u, c >> 12));
     vec4 weight = vec4(unpackUnorm2x16(blend.x), unpackUnorm2x16(blend.y));
     vec3 ray = push.corner.xyz + gl_FragCoord.x * push.across.xyz + gl_FragCoord.y * push.down.xyz;
     vec4 world = vec4(push.eye.xyz + imageLoad(along, p).r * ray, 1.0);
     uint object = blend.w >> 16;
-    ivec2 rows = ivec2(4u * (object & 1023u), object >> 10);
+    ivec2 rows = ivec2(3u * (object & 1023u), object >> 10);
     vec4 position = vec4(dot(imageLoad(objects, rows), world),
                          dot(imageLoad(objects, rows + ivec2(1, 0)), world),
                          dot(imageLoad(objects, rows + ivec2(2, 0)), world), 1.0);

@@ -41,7 +41,7 @@ pub struct AnimateArgs {
     /// Leave out the numbered pictures that are there already
     #[arg(long)]
     resume: bool,
-    /// Let every frame stand for itself: texture does not follow the model
+    /// Let every frame stand for itself: texture neither follows the model nor stays on its faces
     #[arg(long)]
     still: bool,
     /// Begin anew every N frames, as at a cut, so that parts of a run need not go through all frames before them
@@ -79,7 +79,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     session.parameter("background", background.map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")));
     // Frames that have nothing to do with those before them.
     let is_fresh = |number: u32| {
-        let every = args.keyframes.is_some_and(|every| (number - args.frames.first) % every == 0);
+        let every = args.keyframes.is_some_and(|every| (number - args.frames.first).is_multiple_of(every));
         args.still || number == args.frames.first || every || motion.is_cut(number)
     };
     // What makes the frames what they are; how they are shared out does not.

@@ -59,6 +59,7 @@ fn flag(name: &str) -> Option<(&'static str, &'static str)> {
         "view_px" => ("--view-size", ""),
         "views" => ("--views", "the number of views"),
         "density" => ("--density", ""),
+        "follow_deg" => ("--follow", ""),
         "offset_px" => ("--offset", ""),
         "search_scale" => ("--search-scale", ""),
         "stops" => ("--gradient", ""),

@@ -13,7 +13,7 @@ use impasto::scene::{GuidePass, Mesh, Moment};
 use impasto::synthesis::params::BlockRecord;
 use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{screen_displacements, AlignedFrame, AlignedTechnique, LevelVolume};
-use impasto::technique::dependent::{CoverageReport, DependentTechnique, ViewCoverage};
+use impasto::technique::dependent::{Carry, CoverageReport, DependentTechnique, ViewCoverage};
 use impasto::technique::image::ImageParams;
 use impasto::technique::object::ObjectTechnique;
 use impasto::technique::{ShadeRange, Show};
@@ -157,7 +157,13 @@ impl<'a> Painter<'a> {
                     *offset = [offset[0] - f64::from(way[0]), offset[1] - f64::from(way[1])];
                 }
             }
-            Prepared::Dependent(..) => {}
+            Prepared::Dependent(technique, _) => {
+                let carry = if fresh { Carry::Cut } else { Carry::Next };
+                device.runner.run(|recorder| {
+                    technique.record_carry(recorder, next.moment, carry);
+                    Ok(())
+                })?;
+            }
         }
         self.moment = next.moment.clone();
         self.began = true;
@@ -184,7 +190,7 @@ impl<'a> Painter<'a> {
                 device.runner.run(|recorder| technique.record(recorder, &frame, offsets))?;
             }
             Prepared::Dependent(technique, _) => {
-                device.runner.run(|recorder| technique.record(recorder, moment, show))?;
+                device.runner.run(|recorder| technique.record_picture(recorder, moment, show))?;
             }
         }
         from_texels(device.runner.read_image(self.image())?, size.pair())

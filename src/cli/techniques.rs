@@ -107,6 +107,11 @@ struct DependentFlags {
     /// Side of the texture of each view in pixels, 512 to 4096
     #[arg(long, value_name = "PX", default_value_t = 512, allow_negative_numbers = true)]
     view_size: u32,
+    /// By how many degrees a frame the view that chose a face's texture follows the camera while the face is in sight,
+    /// 0 to 180; for animations
+    #[arg(long, value_name = "DEGREES", value_parser = finite, default_value_t = DependentParams::default().follow_deg,
+          allow_hyphen_values = true)]
+    follow: f32,
 }
 
 /// [`LevelBlend`] as a flag.
@@ -214,7 +219,10 @@ impl TechniqueOptions {
                     return Err(Failure::new(format!("--view-size is {size}, but must be from 512 to 4096 pixels")));
                 }
                 let keep_contrast = self.blend == Blend::Contrast;
-                let params = DependentParams { quilt, k: self.k, keep_contrast, ..DependentParams::default() };
+                let follow_deg = self.dependent.follow;
+                let params =
+                    DependentParams { quilt, k: self.k, keep_contrast, follow_deg, ..DependentParams::default() };
+                params.check()?;
                 Technique::Dependent(views, self.dependent.view_size, params)
             }
         };
@@ -255,6 +263,7 @@ impl TechniqueOptions {
                 session.parameter("k", self.k.map_or(Value::Null, number));
                 session.parameter("views", views);
                 session.parameter("view_size", self.dependent.view_size);
+                session.parameter("follow", number(self.dependent.follow));
                 session.parameter("blend", name(&self.blend));
             }
         }

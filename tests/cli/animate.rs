@@ -37,6 +37,22 @@ fn parts_made_by_several_processes_are_the_whole() {
 }
 
 #[test]
+fn view_dependent_texture_stays_on_the_faces_unless_frames_stand_alone() {
+    let place = Place::new();
+    let line = |flags: &str, folder: &str| animate("dependent", "0..3", &format!("{folder}/%d.png")) + flags;
+    place.ok(&line("", "carried"));
+    place.ok(&line(" --still", "alone"));
+    place.ok(&line(" --follow 180", "at_once"));
+    let same = |a: &str, b: &str, frame: u32| {
+        place.bytes(&format!("{a}/{frame}.png")) == place.bytes(&format!("{b}/{frame}.png"))
+    };
+    for frame in 0..=3 {
+        assert!(same("alone", "at_once", frame), "frame {frame}");
+        assert_eq!(same("carried", "alone", frame), frame == 0, "frame {frame}");
+    }
+}
+
+#[test]
 fn an_interrupted_run_goes_on_and_leaves_what_is_finished() {
     let place = Place::new();
     let line = animate("object", "0..5", "out/f%03d.png");

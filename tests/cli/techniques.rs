@@ -112,6 +112,7 @@ fn flags_of_the_techniques_are_checked() {
         ("aligned --density 9", vec!["--density is 9"]),
         ("dependent --view-size 100", vec!["--view-size", "100", "512"]),
         ("dependent --views 0:99", vec!["--pitch is 99"]),
+        ("dependent --follow 181", vec!["--follow is 181", "0 to 180"]),
     ];
     for (flags, parts) in cases {
         place.fails(&format!("{render} {flags}"), 1, &parts);

@@ -127,28 +127,33 @@ fn dependent_frames_have_no_gaps_and_move_without_a_jump() {
     assert!(blend_weights(&directions, set, directions[0])[0].1 > 0.99);
 }
 
-/// The face that a ray from the eye hits first, and where (Moeller and Trumbore 1997).
-fn hit(mesh: &Mesh, eye: Vec3, ray: Vec3) -> Option<(usize, Vec3)> {
+/// What a ray from the eye hits first (Moeller and Trumbore 1997): the object, the face, and where, as the object has it.
+pub fn hit(mesh: &Mesh, moment: &Moment, ray: Vec3) -> Option<(usize, usize, Vec3)> {
     let corner = |vertex: u32| Vec3::from(mesh.positions()[vertex as usize]).as_dvec3();
-    let (eye, ray) = (eye.as_dvec3(), ray.as_dvec3());
     let mut nearest = None;
-    for (face, triangle) in mesh.indices().chunks_exact(3).enumerate() {
-        let a = corner(triangle[0]);
-        let (ab, ac) = (corner(triangle[1]) - a, corner(triangle[2]) - a);
-        let across = ray.cross(ac);
-        let det = ab.dot(across);
-        let from = eye - a;
-        let (u, turned) = (from.dot(across) / det, from.cross(ab));
-        let (v, t) = (ray.dot(turned) / det, ac.dot(turned) / det);
-        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && nearest.is_none_or(|(_, other)| t < other) {
-            nearest = Some((face, t));
+    for (number, object) in mesh.objects().iter().enumerate() {
+        let pose = moment.pose(number);
+        let (eye, ray) = (pose.point_to_object(moment.camera.eye()).as_dvec3(), pose.to_object(ray).as_dvec3());
+        let first = object.first_index as usize / 3;
+        for face in first..first + object.index_count as usize / 3 {
+            let triangle = &mesh.indices()[3 * face..3 * face + 3];
+            let a = corner(triangle[0]);
+            let (ab, ac) = (corner(triangle[1]) - a, corner(triangle[2]) - a);
+            let across = ray.cross(ac);
+            let det = ab.dot(across);
+            let from = eye - a;
+            let (u, turned) = (from.dot(across) / det, from.cross(ab));
+            let (v, t) = (ray.dot(turned) / det, ac.dot(turned) / det);
+            if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && nearest.is_none_or(|(_, _, _, other)| t < other) {
+                nearest = Some((number, face, (eye + t * ray).as_vec3(), t));
+            }
         }
     }
-    nearest.map(|(face, t)| (face, (eye + t * ray).as_vec3()))
+    nearest.map(|(number, face, point, _)| (number, face, point))
 }
 
 /// The frame as it reads in chapter 8, a ray at a time: the texture at a point of a face.
-fn blended(covered: &Covered, texels: &[[u8; 4]], side: usize, from: Vec3, face: usize, point: Vec3) -> Vec4 {
+pub fn blended(covered: &Covered, texels: &[[u8; 4]], side: usize, from: Vec3, face: usize, point: Vec3) -> Vec4 {
     let directions: Vec<Vec3> = covered.slices.iter().map(|slice| slice.direction).collect();
     let weights = blend_weights(&directions, &covered.sets[covered.set_of_face[face] as usize], from);
     let (mut sum, mut total, mut squares) = (Vec4::ZERO, 0.0, 0.0);
@@ -202,7 +207,7 @@ fn dependent_texture_equals_a_ray_at_a_time() {
             let ndc = Vec3::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32, 0.5);
             let beyond = inverse.project_point3(2.0 * ndc - Vec3::new(1.0, 1.0, 0.5));
             let pixel = frame[(y * width + x) as usize];
-            let Some((face, point)) = hit(&mesh, camera.eye(), beyond - camera.eye()) else {
+            let Some((_, face, point)) = hit(&mesh, &moment, beyond - camera.eye()) else {
                 assert_eq!(pixel, [0; 4], "nothing is at {x}, {y}");
                 continue;
             };

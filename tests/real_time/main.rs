@@ -1,6 +1,7 @@
 //! The three real-time techniques on the GPU against plain oracles: prepared textures exactly, frames to a tolerance.
 
 mod aligned;
+mod carry;
 #[path = "../common/mod.rs"]
 mod common;
 mod dependent;
@@ -360,6 +361,10 @@ fn wrong_use_is_told() {
         .to_string()
     };
     assert!(view(&[paint], &[0, 0], &tileable).contains("tileable"));
+    for follow_deg in [-1.0, 181.0, f32::NAN] {
+        let params = DependentParams { follow_deg, ..Default::default() };
+        assert!(view(&[paint], &[0, 0], &params).contains("0 to 180 degrees"));
+    }
     assert!(view(&[], &[0, 0], &DependentParams::default()).contains("paints is 0"));
     assert!(view(&[paint], &[0, 3], &DependentParams::default()).contains("below the 1 paints"));
 }

@@ -3,22 +3,26 @@
 //! Prepared once: [`ViewCoverage`] draws the model from the important views and finds out which faces each of them
 //! shows whole, with further views until every face is shown by some; [`DependentTechnique`] then synthesises a texture
 //! for each view by guided quilting, as the image-based technique does for a picture, and stacks them into one 3D
-//! image. A face's place in a slice is where the slice's view shows it. Drawn for every frame: which slices each set of
-//! an object's faces takes; a render pass over the mesh, for shade, set and distance of every pixel; and a pass over its pixels,
-//! which finds the surface's point by the distance and blends the slices. So what is dear is done once for a pixel,
-//! however small the triangles are and however many lie behind one another.
+//! image. A face's place in a slice is where the slice's view shows it. Drawn for every frame: which slices faces take,
+//! each by the direction that it carries from frame to frame ([`Carry`]); a render pass over the mesh, for shade,
+//! corner and distance of every pixel; and a pass over its pixels, which finds the surface's point by the distance and
+//! blends the slices. So what is dear is done once for a pixel, however small the triangles are and however many lie
+//! behind one another.
 //!
 //! At most [`MAX_BLENDED`] slices are blended for a face ([`blend_weights`]), with the contrast given back that
 //! averaging takes, as in [`super::aligned`]. Neighbouring faces may have different slices: each fades out towards the
 //! faces that it does not show, so that no seam is seen where it ends.
 
 mod blend;
+mod carry;
 mod coverage;
 mod faces;
 mod geometry;
 mod views;
 
 pub use blend::{blend_weights, MAX_BLENDED};
+pub use carry::Carry;
+pub(crate) use carry::DEPENDENT_CARRY;
 pub use coverage::{default_views, Coverage, CoverageReport, Covered, Round, Slice, View, MAX_SLICES, MAX_VIEWS};
 pub use views::ViewCoverage;
 
@@ -27,8 +31,8 @@ use super::image::{GuidePush, IMAGE_GUIDE};
 use super::picture_pass::{frame_for, PicturePass, PICTURE};
 use super::{check_paints, paint_picture, Paint, ShadeRange, Show};
 use crate::gpu::{
-    Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Draw, Image, ImageDesc,
-    RasterShader, Recorder, Sampler, Shader, Uploads, VertexAttribute,
+    Access, BindingKind, BindingSet, ComputePipeline, Context, Draw, Image, ImageDesc, RasterShader, Recorder, Sampler,
+    Shader, Uploads, VertexAttribute,
 };
 use crate::paint::Trajectory;
 use crate::scene::{Camera, Lights, Mesh, MeshDesc, MeshPass, Moment, ObjectRows, Run, Vec3};
@@ -38,25 +42,13 @@ use crate::synthesis::volume::{SliceCopy, Volume};
 use crate::technique::image::ImageParams;
 use crate::{Error, Result};
 use ash::vk;
+use carry::CarryPass;
 use faces::FacePass;
 pub(crate) use faces::FACES;
-use geometry::{face_vertices, Vertex};
+use geometry::{face_corners, Vertex};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
-
-pub(crate) const DEPENDENT_BLEND: Shader = Shader {
-    name: "dependent_blend",
-    spirv: include_bytes!("../../../glsl/spirv/technique/dependent_blend.comp.spv"),
-    bindings: &[
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeWrite),
-    ],
-    push_bytes: size_of::<BlendPush>() as u32,
-};
 
 pub(crate) const DEPENDENT_FEATHER: Shader = Shader {
     name: "dependent_feather",
@@ -92,12 +84,6 @@ pub(crate) const DEPENDENT: RasterShader = RasterShader {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct BlendPush {
-    sets: u32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct FeatherPush {
     columns: u32,
     radius: i32,
@@ -120,9 +106,6 @@ struct Push {
     keep_contrast: u32,
 }
 
-/// Sets of slices in a row of the picture of blends, as in the shaders.
-const SETS_ACROSS: u32 = 1024;
-
 /// How far a slice fades out towards faces that it does not show, as a part of its side: 12 pixels of 512.
 const FEATHER: u32 = 42;
 
@@ -137,11 +120,35 @@ pub struct DependentParams {
     pub keep_contrast: bool,
     /// The range of shade that is spread over the strip.
     pub range: ShadeRange,
+    /// By how many degrees, from a frame to the [`Carry::Next`], the direction that a face's texture was chosen by
+    /// follows the camera's while the face is in sight: 0 to 180. It follows faster where marks would be stretched.
+    /// With 180 every frame stands alone.
+    pub follow_deg: f32,
 }
 
 impl Default for DependentParams {
     fn default() -> Self {
-        DependentParams { quilt: QuiltParams::default(), k: None, keep_contrast: true, range: ShadeRange::default() }
+        DependentParams {
+            quilt: QuiltParams::default(),
+            k: None,
+            keep_contrast: true,
+            range: ShadeRange::default(),
+            follow_deg: 0.25,
+        }
+    }
+}
+
+impl DependentParams {
+    /// # Errors
+    /// [`Error::Parameter`] for a tileable quilting, and an angle out of range.
+    pub fn check(&self) -> Result<()> {
+        if self.quilt.tileable {
+            return Err(Error::parameter("tileable", true, "false for a view's texture: a view does not repeat"));
+        }
+        if !(0.0..=180.0).contains(&self.follow_deg) {
+            return Err(Error::parameter("follow_deg", self.follow_deg, "0 to 180 degrees"));
+        }
+        Ok(())
     }
 }
 
@@ -185,12 +192,9 @@ pub struct DependentTechnique {
     preparation: Option<Preparation>,
     volume: Volume,
     colors: ColorTable,
-    center: Vec3,
-    /// For each object the rows that take world space to the mesh's, and the direction that it is seen from.
-    objects: ObjectRows<4>,
-    sets: u32,
-    blend_stage: ComputePipeline,
-    blend_set: BindingSet,
+    carry: CarryPass,
+    /// For each object the rows that take world space to the mesh's.
+    objects: ObjectRows<3>,
     mesh: MeshPass,
     pass: PicturePass,
     frame: Image,
@@ -203,8 +207,8 @@ impl DependentTechnique {
     /// `paints[paint_of_object[i]]`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for parameters out of range, a tileable quilting, a strip smaller than a block, no paint, or
-    /// an object without one; [`Error::Device`] when the device's 3D images are too small; [`Error::Memory`] when the
+    /// [`Error::Parameter`] for parameters out of range, a tileable quilting, a strip smaller than a block, no paint,
+    /// or an object without one; [`Error::Device`] when the device's 3D images are too small; [`Error::Memory`] when the
     /// budget does not allow it.
     #[allow(clippy::too_many_arguments)] // the device, the scene, the paints, the way
     pub fn new(
@@ -221,9 +225,7 @@ impl DependentTechnique {
         params: &DependentParams,
     ) -> Result<Self> {
         check_paints(paints.len(), paint_of_object, mesh.objects().len())?;
-        if params.quilt.tileable {
-            return Err(Error::parameter("tileable", true, "false for a view's texture: a view does not repeat"));
-        }
+        params.check()?;
         let slices = covered.slices.len() as u32;
         let volume = Volume::new(context, "views", (view_px, view_px), slices)?;
         let preparation = Preparation::new(
@@ -242,55 +244,31 @@ impl DependentTechnique {
         let colors = ColorTable::new(context, uploads, paints.iter().map(|paint| paint.trajectory))?;
 
         let (set_of_face, sets) = sets_by_object(mesh, covered);
-        // The slices of every set, one list after the other, and the slices' directions and projections.
-        let mut lists: Vec<u32> = Vec::new();
-        let mut starts: Vec<[u32; 2]> = Vec::with_capacity(sets.len() + 1);
-        for &(set, object) in &sets {
-            let paint = paint_of_object.get(object as usize).copied().unwrap_or_default();
-            starts.push([lists.len() as u32, paint | object << 16]);
-            lists.extend(covered.sets.get(set as usize).into_iter().flatten().map(|&slice| u32::from(slice)));
-        }
-        starts.push([lists.len() as u32, 0]);
-        let directions: Vec<[f32; 4]> =
-            covered.slices.iter().map(|slice| slice.direction.extend(0.0).to_array()).collect();
+        let (corners, vertices, list) = face_corners(mesh, &set_of_face);
+        let carry =
+            CarryPass::new(context, uploads, mesh, &corners, &sets, paint_of_object, covered, params.follow_deg)?;
         let mut rows: Vec<[f32; 4]> = Vec::with_capacity(3 * covered.slices.len());
         for slice in &covered.slices {
             let projection = slice.camera.view_projection(1.0)?;
             rows.extend([0, 1, 3].map(|row| projection.row(row).to_array()));
         }
-        let mut storage = |name, data: &[u8]| {
-            let buffer = Buffer::new(context, name, BufferKind::Storage, data.len() as u64)?;
-            uploads.buffer(context, &buffer, data)?;
-            Ok::<_, Error>(buffer)
-        };
-        let starts = storage("starts of sets", bytemuck::cast_slice(&starts))?;
-        let lists = storage("slices of sets", bytemuck::cast_slice(&lists))?;
-        let directions = storage("directions of slices", bytemuck::cast_slice(&directions))?;
-        let sets = sets.len() as u32;
-        let desc = ImageDesc::storage_2d(SETS_ACROSS, sets.div_ceil(SETS_ACROSS), vk::Format::R32G32B32A32_UINT);
-        let blends = Image::new(context, "blends of sets", &desc)?;
         let desc = ImageDesc::storage_2d(3, slices, vk::Format::R32G32B32A32_SFLOAT);
         let projections = Image::new(context, "projections", &desc)?;
         uploads.image(context, &projections, bytemuck::cast_slice(&rows))?;
-        let blend_stage = ComputePipeline::new(context, &DEPENDENT_BLEND)?;
         let objects = ObjectRows::new(context, "dependent_objects", mesh.objects().len())?;
-        let bound = [(&starts).into(), (&lists).into(), (&directions).into(), objects.image().into(), (&blends).into()];
-        let blend_set = BindingSet::new(context, &blend_stage, &bound)?;
-
         let attribute = |format, offset| VertexAttribute { format, offset_bytes: offset as u32 };
         let image = |name, format| Image::new(context, name, &ImageDesc::drawn(size.0, size.1, format));
         let shade = image("dependent shade", vk::Format::R32_SFLOAT)?;
-        let set = image("dependent set", vk::Format::R32_UINT)?;
+        let corner = image("dependent corner", vk::Format::R32_UINT)?;
         let along = image("dependent distance", vk::Format::R32_SFLOAT)?;
-        let (vertices, list) = face_vertices(mesh, &set_of_face);
         let desc = MeshDesc {
             shader: DEPENDENT_MESH,
             constants: &[],
-            images: &[&shade, &set, &along],
+            images: &[&shade, &corner, &along],
             attributes: &[
                 attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, position)),
                 attribute(vk::Format::R32G32B32_SFLOAT, std::mem::offset_of!(Vertex, normal)),
-                attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, set)),
+                attribute(vk::Format::R32_UINT, std::mem::offset_of!(Vertex, corner)),
             ],
             vertices: &vertices,
             indices: &list,
@@ -301,9 +279,9 @@ impl DependentTechnique {
         let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
         let bound = [
             (&shade).into(),
-            (&set).into(),
+            (&corner).into(),
             (&along).into(),
-            (&blends).into(),
+            carry.blends().into(),
             (&projections).into(),
             (volume.image(), &sampler).into(),
             colors.image().into(),
@@ -315,11 +293,8 @@ impl DependentTechnique {
             preparation: Some(preparation),
             volume,
             colors,
-            center: mesh.bounding_sphere().center,
+            carry,
             objects,
-            sets,
-            blend_stage,
-            blend_set,
             mesh: mesh_pass,
             pass,
             frame,
@@ -386,16 +361,32 @@ impl DependentTechnique {
         self.preparation = None;
     }
 
-    /// Records a frame.
+    /// Records a frame that stands alone: [`DependentTechnique::record_carry`] with [`Carry::Cut`], and the picture.
+    ///
+    /// # Errors
+    /// Those of [`DependentTechnique::record_picture`].
+    pub fn record(&self, recorder: &mut Recorder<'_>, moment: &Moment, show: Show) -> Result<()> {
+        self.record_carry(recorder, moment, Carry::Cut);
+        self.record_picture(recorder, moment, show)
+    }
+
+    /// Records which texture faces take in a frame, without drawing it. Pictures of frames in between may be left out:
+    /// those of later ones stay the same as long as this is recorded for every frame from the cut on.
+    pub fn record_carry(&self, recorder: &mut Recorder<'_>, moment: &Moment, carry: Carry) {
+        self.carry.record(recorder, moment, carry);
+    }
+
+    /// Records a picture of faces with the texture that was recorded last.
     ///
     /// # Errors
     /// [`Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
-    pub fn record(&self, recorder: &mut Recorder<'_>, moment: &Moment, show: Show) -> Result<()> {
+    pub fn record_picture(&self, recorder: &mut Recorder<'_>, moment: &Moment, show: Show) -> Result<()> {
         let runs = self.mesh.runs(moment, |_| ())?;
         let rays = rays(&moment.camera, self.frame().size_px())?;
-        self.objects.record(recorder, |object| self.object_rows(moment, object));
-        let push = BlendPush { sets: self.sets };
-        recorder.dispatch(&self.blend_stage, &self.blend_set, &push, [self.sets.div_ceil(64), 1, 1]);
+        self.objects.record(recorder, |object| {
+            let to_object = moment.pose(object).matrix().inverse().as_mat4();
+            [0, 1, 2].map(|row| to_object.row(row).to_array())
+        });
         let draw = |run: Run<()>| Draw {
             set: None,
             push: MeshPush { to_clip: run.to_clip, light: run.light },
@@ -411,16 +402,6 @@ impl DependentTechnique {
         };
         self.pass.record(recorder, &[(&self.set, push)]);
         Ok(())
-    }
-
-    fn object_rows(&self, moment: &Moment, object: usize) -> [[f32; 4]; 4] {
-        let (pose, camera) = (moment.pose(object), &moment.camera);
-        // An eye at the very middle of the model has no direction but the one that it looks along.
-        let direction = (pose.point_to_object(camera.eye()) - self.center).try_normalize();
-        let direction = direction.unwrap_or(-pose.to_object(camera.forward()));
-        let to_object = pose.matrix().inverse().as_mat4();
-        let [x, y, z] = [0, 1, 2].map(|row| to_object.row(row).to_array());
-        [x, y, z, direction.extend(0.0).to_array()]
     }
 
     /// Stages other colours for one of the paints. Texture stays as it is.
@@ -450,6 +431,13 @@ impl DependentTechnique {
     /// finished.
     pub fn guide(&self) -> Option<&Image> {
         self.preparation.as_ref().and_then(|preparation| preparation.quilts.first()).and_then(Quilt::guide)
+    }
+
+    /// What is carried, for each vertex in which faces of one set of slices begin, one after the other in rows: the
+    /// direction that they take their texture by, a unit vector from the middle of the model as their object has it, and
+    /// the cosine of the angle between the vertex's normal and the way from the eye: R32G32B32A32_SFLOAT.
+    pub fn carried(&self) -> &Image {
+        self.carry.carried()
     }
 
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
