@@ -289,7 +289,7 @@ fn image_technique_equals_the_oracle() {
         let params = ImageParams { quilt, k: Some(1.5), range, previous: None };
         let mut uploads = Uploads::default();
         let stages = QuiltStages::new(&gpu.context).expect("stages");
-        let technique = ImageTechnique::new(&gpu.context, &mut uploads, &stages, &pass, &paints, &[0, 1], &params)
+        let mut technique = ImageTechnique::new(&gpu.context, &mut uploads, &stages, &pass, &paints, &[0, 1], &params)
             .expect("a technique");
         runner
             .run(|recorder| {
