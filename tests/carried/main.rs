@@ -5,6 +5,7 @@
 mod common;
 mod oracles;
 mod previous;
+mod repair_by_hand;
 mod sequence;
 
 use common::{noise, Numbers, Validated};
@@ -152,6 +153,7 @@ fn frames_of_two_paints_equal_the_oracle() {
     let mesh = load(BOXES.as_bytes());
     for (size, quilt, k, repair) in [
         ((97, 83), quilt(16, 4), Some(1.0), RepairParams::default()),
+        ((80, 75), quilt(16, 4), Some(4.0), RepairParams::default()),
         ((64, 70), quilt(9, 3), None, RepairParams { stretch: 1.05, slack: 0.0 }),
         (
             (90, 50),
@@ -214,6 +216,27 @@ fn a_change_of_light_asks_for_other_texture() {
         check(&mut sequence, "light", &frames).iter().map(|(painted, _)| pasted(painted)).collect();
     assert_eq!([pasted[0], pasted[1], pasted[3]], [0; 3], "what fits stays");
     assert!(pasted[2] > pixels * 9 / 10 && pasted[4] > pixels * 9 / 10, "{pasted:?}");
+}
+
+/// Where there are many positions, a frame compares every fifth row of them, and the next frame the rows below.
+#[test]
+fn rows_of_positions_take_turns() {
+    let gpu = Validated::new();
+    let mesh = load(WALL.as_bytes());
+    let size = (60, 60);
+    let strips = [noise_strip(180, 110, 9)];
+    let params = ImageParams { quilt: quilt(16, 4), k: Some(4.0), ..Default::default() };
+    let model = Model { mesh: &mesh, strips: &strips, objects: &[0] };
+    let mut sequence = Sequence::new(&gpu, &model, size, &params, &RepairParams::default());
+    let camera = before_the_wall(&mesh);
+    sequence.start(&camera, &light(0.2));
+    let nothing = vec![0; size.0 as usize * size.1 as usize];
+    let frames: Vec<_> = (0..6).map(|_| (camera, light(0.2), nothing.clone())).collect();
+    for (number, (painted, _)) in (1..).zip(check(&mut sequence, "rows", &frames)) {
+        // 95 rows of 129 positions are five times 2,048, and some.
+        let rows: Vec<u32> = painted.records[0].iter().map(|block| block.sy % 5).collect();
+        assert_eq!(rows, [number % 5; 25], "frame {number}");
+    }
 }
 
 /// So many blocks that a round does not hold all of a parity's.
