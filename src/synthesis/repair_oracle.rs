@@ -65,7 +65,8 @@ pub struct OracleRepair<'a> {
     pub carried: &'a [Option<CarriedTexture>],
     /// How far outside of its window a block's texture may come from, texels.
     pub slack_px: u32,
-    /// An even number of rows of blocks that are finished before those below begin: `u32::MAX` where memory is no matter.
+    /// An even number of rows of blocks that are finished before those below begin; `u32::MAX` where memory is no
+    /// matter.
     pub band_rows: u32,
 }
 
@@ -129,8 +130,8 @@ fn nearest(texture: CarriedTexture) -> (u16, u16) {
     (texel(texture.place.0), texel(texture.place.1))
 }
 
-/// Whether a block's texture stays, judged by its cell: what lies nearer to it than to its neighbours. None when it is to
-/// be synthesised anew.
+/// Whether a block's texture stays, judged by its cell: what lies nearer to it than to its neighbours. None when it is
+/// to be synthesised anew.
 fn fate_of_cell(
     input: &OracleRepair,
     layout: &Layout,
@@ -138,7 +139,7 @@ fn fate_of_cell(
     (first, last): (u32, u32),
 ) -> Option<BlockFate> {
     let QuiltParams { block_px, overlap_px, .. } = *input.params;
-    // From the middle of the overlap with the block before to that with the block after; borders of the output are ends.
+    // From the middle of the overlap with the block before to that with the block after, or to the output's border.
     let in_cell = |d: u32, at: u32, count: u32| {
         let after_begin = at == 0 || d >= overlap_px / 2;
         let before_end = at + 1 == count || d < block_px - overlap_px + overlap_px / 2;
@@ -165,8 +166,8 @@ fn fate_of_cell(
     (2 * misfits <= cell.len() && in_window).then_some(BlockFate::Kept(first, last))
 }
 
-/// The order of placing: bands of rows from the top; in each, the blocks of even rows and columns, those of even rows and
-/// odd columns, those of odd rows and even columns, and the others.
+/// The order of placing: bands of rows from the top; in each, the blocks of even rows and columns, those of even rows
+/// and odd columns, those of odd rows and even columns, and the others.
 fn rounds(layout: &Layout, band_rows: u32) -> Vec<usize> {
     let mut order: Vec<usize> = (0..layout.placements.len()).collect();
     order.sort_by_key(|&index| {
@@ -185,7 +186,8 @@ fn compared_rows(input: &OracleRepair, frame: u32) -> (u32, u32) {
     (frame % row_step, row_step)
 }
 
-/// Whether any placed neighbour reaches to the block's pixel, by fields: overlaps cut a block into three by three of them.
+/// Whether any placed neighbour reaches to the block's pixel, by fields: overlaps cut a block into three by three of
+/// them.
 fn lies_in_a_placed_field(
     layout: &Layout,
     params: &QuiltParams,

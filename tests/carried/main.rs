@@ -1,5 +1,5 @@
-//! What keeps an image-based sequence calm, against plain oracles: texture that is carried and repaired, and blocks that
-//! match the previous frame. Places, sources and choices exactly; drawn frames to a tolerance.
+//! What keeps an image-based sequence calm, against plain oracles: texture that is carried and repaired, and blocks
+//! that match the previous frame. Places, sources and choices exactly; drawn frames to a tolerance.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -249,8 +249,8 @@ fn bands_of_rounds_equal_the_oracle() {
     let params = ImageParams { quilt: quilt(4, 1), k: Some(0.0), ..Default::default() };
     let model = Model { mesh: &mesh, strips: &strips, objects: &[0] };
     let mut sequence = Sequence::new(&gpu, &model, size, &params, &RepairParams::default());
-    // 2,197 rows of positions, padded to 8 columns each, are 18 groups of 1,024 positions; 64 MiB hold the errors of 910
-    // blocks. A round has 60 blocks in each second row.
+    // 2,197 rows of positions, padded to 8 columns each, are 18 groups of 1,024 positions; 64 MiB hold the errors of
+    // 910 blocks. A round has 60 blocks in each second row.
     sequence.band_rows = 2 * (910 / 60);
     let camera = before_the_wall(&mesh);
     sequence.start(&camera, &light(0.5));

@@ -94,8 +94,8 @@ fn carry_to(
     in_sample.then_some(CarriedTexture { place: (place.0 as u32, place.1 as u32), misfit })
 }
 
-/// Whether the singular values of the matrix with these columns are within the limits, and its turn within 30 degrees, of
-/// which 15/26 is the tangent.
+/// Whether the singular values of the matrix with these columns are within the limits, and its turn within 30 degrees,
+/// of which 15/26 is the tangent.
 fn fits(right: (i32, i32), down: (i32, i32), (least, most): (u32, u32)) -> bool {
     let dot = |a: (i32, i32), b: (i32, i32)| i64::from(a.0 * b.0 + a.1 * b.1);
     let (xx, xy, yy) = (dot(right, right), dot(right, down), dot(down, down));
@@ -118,8 +118,8 @@ fn keys(d: f64) -> f64 {
     }
 }
 
-/// The texture difference at a place, from `texels` (8-bit, of the texture's size): of the 4 x 4 texels around it all but
-/// the corners, which count nothing.
+/// The texture difference at a place, from `texels` (8-bit, of the texture's size): of the 4 x 4 texels around it all
+/// but the corners, which count nothing.
 fn difference_at(texels: &[[u8; 4]], (width, height): (u32, u32), place: (u32, u32)) -> [f64; 3] {
     let (x, y) = (f64::from(place.0) / f64::from(STEPS), f64::from(place.1) / f64::from(STEPS));
     let texel = |x: f64, y: f64| {

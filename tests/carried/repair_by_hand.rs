@@ -8,8 +8,8 @@ const OUTPUT: (u32, u32) = (14, 8);
 const PIXELS: usize = 14 * 8;
 const PARAMS: QuiltParams = QuiltParams { block_px: 8, overlap_px: 2, tolerance: 0.0, seed: 1, tileable: false };
 
-/// Repairs two blocks of 8 px that overlap by 2, of a strip that grows redder by 10 a column. Its shade asks both for the
-/// strip's left end; what was carried there is the strip as it is, but for what `change` does to it.
+/// Repairs two blocks of 8 px that overlap by 2, of a strip that grows redder by 10 a column. Its shade asks both for
+/// the strip's left end; what was carried there is the strip as it is, but for what `change` does to it.
 fn repair(slack_px: u32, change: impl Fn(&mut Vec<Option<CarriedTexture>>)) -> Repaired {
     let sample: Vec<[u8; 4]> = (0..20 * 8).map(|i| [10 * (i % 20) as u8, 0, 0, 255]).collect();
     let at_pixel = |i: usize| (64 * (i as u32 % 14), 64 * (i as u32 / 14));
@@ -28,8 +28,8 @@ fn repair(slack_px: u32, change: impl Fn(&mut Vec<Option<CarriedTexture>>)) -> R
     repair_oracle(&input, 0).expect("a repair")
 }
 
-/// The second block, taken from the strip's left end; its overlap differs by 60 in 16 pixels, and equal cuts are the left
-/// ones.
+/// The second block, taken from the strip's left end; its overlap differs by 60 in 16 pixels, and of equal cuts the
+/// left one is taken.
 const PASTED: BlockFate = BlockFate::Pasted(BlockRecord {
     row: 0,
     col: 1,

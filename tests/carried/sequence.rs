@@ -36,8 +36,8 @@ pub struct Model<'a> {
     pub objects: &'a [u32],
 }
 
-/// How far a frame may be off on average, between texels: lavapipe's filter makes it about 0.5, and the corners' weights
-/// would add 0.1.
+/// How far a frame may be off on average, between texels: lavapipe's filter makes it about 0.5, and the corners'
+/// weights would add 0.1.
 const MEAN_OFF: f64 = 0.6;
 
 pub struct Sequence<'a> {
@@ -271,8 +271,8 @@ impl Painted {
         self.frame_difference(expected)
     }
 
-    /// A texel alone is a plain copy, to which a colour is added. Between texels, filters weigh and round in 8 bits, and
-    /// what they give is drawn at twice its contrast.
+    /// A texel alone is a plain copy, to which a colour is added. Between texels, filters weigh and round in 8 bits,
+    /// and what they give is drawn at twice its contrast.
     fn frame_difference(&self, expected: &Expected) -> Result<(), String> {
         let (mut between, mut sum) = (0, 0);
         for (i, (got, want)) in self.frame.iter().zip(&expected.frame).enumerate() {
