@@ -51,7 +51,6 @@ shared uint cuts[4 * MAX_BLOCK];
 shared uint in_span[GROUP];
 shared uvec2 position;
 shared uint position_error;
-shared uint painted;
 
 // min + floor(min * tolerance / 10,000), or 2^32 - 1 where that does not fit.
 uint threshold(uint least) {
@@ -167,11 +166,8 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
     return least;
 }
 
-// What is painted on the block's pixel at `dx`, `dy`; 0 if nothing is, or nothing that stays.
+// What is painted on the block's pixel at `dx`, `dy`; 0 if nothing is.
 uint canvas_at(Block block, uint dx, uint dy) {
-    if ((painted & field_of(block, dx, dy)) == 0) {
-        return 0;
-    }
     uint x = block.x + dx;
     uint y = block.y + dy;
     x -= x >= push.output_width ? push.output_width : 0;
@@ -249,10 +245,6 @@ void main() {
     uint tiles = tiles_x * ((push.sample_height - push.block_px - push.first_row) / push.row_step + 1);
     uint least = choose(slot, index, block.sx0, tiles_x, (tiles + GROUP - 1) / GROUP);
 
-    if (lane == 0) {
-        painted = painted_fields(index);
-    }
-    barrier();
     int row = int(index / push.columns);
     int col = int(index % push.columns);
     bool joined[4];

@@ -133,6 +133,7 @@ void main() {
     place -= STEPS * shift;
     present = present && mine && word >= SHOWN && in_sample(place, uvec2(push.sample_width, push.sample_height));
     carried = present ? place_of(place) : uvec4(0);
-    carried.w |= present && !fits(along, down) ? MISFIT : 0;
+    // Where the middle has no texture, there are no differences to it either.
+    carried.w |= present && is_present(middle) && !fits(along, down) ? MISFIT : 0;
     canvas = present ? imageLoad(sample_texels, (place + STEPS / 2) / STEPS).r | PAINTED : 0;
 }

@@ -333,6 +333,7 @@ impl Image {
     pub(crate) fn texel_bytes(&self) -> u64 {
         match self.0.desc.format {
             vk::Format::R8G8B8A8_UNORM | vk::Format::R32_UINT | vk::Format::R32_SFLOAT | vk::Format::D32_SFLOAT => 4,
+            vk::Format::R16G16B16A16_UINT => 8,
             vk::Format::R32G32B32A32_SFLOAT | vk::Format::R32G32B32A32_UINT => 16,
             _ => 0,
         }

@@ -13,6 +13,7 @@ pub mod params;
 pub mod quilt;
 pub mod quilt_oracle;
 pub mod repair;
+pub mod repair_oracle;
 pub mod tile_mask;
 pub mod tile_oracle;
 pub(crate) mod volume;

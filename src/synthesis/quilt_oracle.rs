@@ -21,6 +21,27 @@ pub struct OracleGuide<'a> {
     pub window_px: u32,
 }
 
+impl OracleGuide<'_> {
+    /// Refuses a guide that is not of the output's size.
+    pub(super) fn expect(&self, output: (u32, u32)) -> Result<()> {
+        expect_pixels("guide shade", self.shade.len(), output)?;
+        expect_pixels("guide covered", self.covered.len(), output)
+    }
+
+    /// The first and last left edge in the sample that the block may have; none where none of its pixels is covered.
+    pub(super) fn window(
+        &self,
+        canvas: &Canvas,
+        placement: &Placement,
+        sample_width: u32,
+        block_px: u32,
+    ) -> Option<(u32, u32)> {
+        let pixels = offsets(placement).map(|(dx, dy)| canvas.index(placement, dx, dy));
+        let shades: Vec<u32> = pixels.filter(|&p| self.covered[p]).map(|p| u32::from(self.shade[p])).collect();
+        guided_window(shades.iter().sum(), shades.len() as u32, sample_width, block_px, self.window_px)
+    }
+}
+
 /// A quilted picture, and where all of it came from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Quilted {
@@ -48,22 +69,84 @@ pub fn quilt_oracle(
     params: &QuiltParams,
     guide: Option<&OracleGuide>,
 ) -> Result<Quilted> {
+    quilt(sample, sample_size, output, params, guide, 0, None)
+}
+
+/// The picture that a quilting is to match besides its own overlaps (thesis chapter 6).
+#[derive(Debug, Clone, Copy)]
+pub struct OraclePrevious<'a> {
+    /// RGBA, row by row, of the output's size; a pixel counts where its alpha is 255.
+    pub pixels: &'a [[u8; 4]],
+    /// How much a pixel of it counts where a pixel of the overlap counts [`OVERLAP_WEIGHT`].
+    pub weight: u32,
+}
+
+impl OraclePrevious<'_> {
+    /// The colours where the block goes, row by row.
+    fn colours(&self, canvas: &Canvas, placement: &Placement) -> Vec<Option<[u8; 3]>> {
+        let at = |(dx, dy)| self.pixels[canvas.index(placement, dx, dy)];
+        offsets(placement).map(at).map(|[r, g, b, a]| (a == 255).then_some([r, g, b])).collect()
+    }
+}
+
+/// What a pixel of the overlap counts beside a previous picture.
+pub const OVERLAP_WEIGHT: u32 = 4;
+
+/// As [`quilt_oracle`], for a frame of a sequence in which each block is also to match the previous picture: its error
+/// is [`OVERLAP_WEIGHT`] times that of the overlap, and the weight times that of all of the block's pixels against that
+/// picture.
+///
+/// # Errors
+/// [`Error::Parameter`] as [`quilt_oracle`], and for a previous picture that is not of the output's size.
+pub fn quilt_oracle_after(
+    sample: &[[u8; 4]],
+    sample_size: (u32, u32),
+    output: (u32, u32),
+    params: &QuiltParams,
+    guide: &OracleGuide,
+    frame: u32,
+    previous: &OraclePrevious,
+) -> Result<Quilted> {
+    expect_pixels("previous picture", previous.pixels.len(), output)?;
+    quilt(sample, sample_size, output, params, Some(guide), frame, Some(previous))
+}
+
+fn quilt(
+    sample: &[[u8; 4]],
+    sample_size: (u32, u32),
+    output: (u32, u32),
+    params: &QuiltParams,
+    guide: Option<&OracleGuide>,
+    frame: u32,
+    previous: Option<&OraclePrevious>,
+) -> Result<Quilted> {
     params.validate(sample_size, output)?;
     expect_pixels("sample", sample.len(), sample_size)?;
     if let Some(guide) = guide {
-        expect_pixels("guide shade", guide.shade.len(), output)?;
-        expect_pixels("guide covered", guide.covered.len(), output)?;
+        guide.expect(output)?;
     }
     let layout = Layout::new(params, output)?;
     let sample = Sample { pixels: sample, size: sample_size };
     let mut blocks = Vec::new();
     let canvas = place_blocks(&sample, &layout, params, |canvas, placement, index| {
-        let allowed = allowed_positions(&sample, canvas, placement, params, guide)?;
+        let (sx0, sx1) = match guide {
+            None => (0, sample_size.0 - params.block_px),
+            Some(guide) => guide.window(canvas, placement, sample_size.0, params.block_px)?,
+        };
+        let allowed = [sx0, 0, sx1, sample_size.1 - params.block_px];
         let old = canvas.colours(placement, &sample);
-        let (sx, sy, error, min_error) = choose(&sample, &old, placement, allowed, params, index);
-        let Placement { row, col, x, y, .. } = *placement;
-        blocks.push(BlockRecord { row, col, x, y, sx, sy, error, min_error, allowed });
-        Some((sx, sy))
+        let before = previous.map(|previous| previous.colours(canvas, placement));
+        let error = |at| match (&before, previous) {
+            (Some(before), Some(previous)) => {
+                let (overlap, whole) = (sample.error(&old, placement, at), sample.error(before, placement, at));
+                OVERLAP_WEIGHT * overlap + previous.weight * whole
+            }
+            _ => sample.error(&old, placement, at),
+        };
+        let hash = block_hash(params.seed, index, frame);
+        let choice = choose(positions(allowed, 0, 1), error, params.tolerance_e4(), hash);
+        blocks.push(choice.record(placement, allowed));
+        Some((choice.sx, choice.sy))
     });
 
     let pixels = canvas.source.iter().map(|source| match source {
@@ -126,20 +209,32 @@ fn place_blocks(
     let mut placed = vec![false; layout.placements.len()];
     for &index in &layout.order {
         let placement = &layout.placements[index as usize];
-        let Some((sx, sy)) = choose(&canvas, placement, index) else { continue };
+        let Some(position) = choose(&canvas, placement, index) else { continue };
         let old = canvas.colours(placement, sample);
-        let new = sample.block(sx, sy, placement);
         let active = active_sides(layout, placement, params.tileable, &placed);
-        let keeps_old = old_side_of_cuts(&old, &new, placement, params.overlap_px, &active);
-        for (i, (dx, dy)) in offsets(placement).enumerate() {
-            if old[i].is_none() || !keeps_old[i] {
-                let at = canvas.index(placement, dx, dy);
-                canvas.source[at] = Some(((sx + dx) as u16, (sy + dy) as u16));
-            }
+        for ((dx, dy), from) in pasted(sample, &old, placement, params.overlap_px, &active, position) {
+            let at = canvas.index(placement, dx, dy);
+            canvas.source[at] = Some(from);
         }
         placed[index as usize] = true;
     }
     canvas
+}
+
+/// What a block from `position` of the sample pastes once it is cut on its active sides: its pixels, and the sample
+/// pixels that they become copies of. `old` holds what is painted under the block.
+pub(super) fn pasted(
+    sample: &Sample,
+    old: &[Option<[u8; 3]>],
+    placement: &Placement,
+    overlap_px: u32,
+    active: &[Side],
+    (sx, sy): (u32, u32),
+) -> Vec<((u32, u32), (u16, u16))> {
+    let new = sample.block(sx, sy, placement);
+    let keeps_old = old_side_of_cuts(old, &new, placement, overlap_px, active);
+    let taken = offsets(placement).zip(old.iter().zip(keeps_old)).filter(|(_, (old, keeps))| old.is_none() || !keeps);
+    taken.map(|((dx, dy), _)| ((dx, dy), ((sx + dx) as u16, (sy + dy) as u16))).collect()
 }
 
 /// Sum of squared RGB differences between what is painted where a block goes and the sample at position (`sx`, `sy`).
@@ -257,9 +352,9 @@ fn lowest(values: &[u64], mut range: std::ops::Range<usize>) -> usize {
 }
 
 /// The sample, checked to hold as many pixels as its size says.
-struct Sample<'a> {
-    pixels: &'a [[u8; 4]],
-    size: (u32, u32),
+pub(super) struct Sample<'a> {
+    pub pixels: &'a [[u8; 4]],
+    pub size: (u32, u32),
 }
 
 impl Sample<'_> {
@@ -272,30 +367,36 @@ impl Sample<'_> {
     fn block(&self, sx: u32, sy: u32, placement: &Placement) -> Vec<[u8; 3]> {
         offsets(placement).map(|(dx, dy)| self.rgb(sx + dx, sy + dy)).collect()
     }
+
+    /// The error of the block at an allowed position against colours under it.
+    pub fn error(&self, under: &[Option<[u8; 3]>], placement: &Placement, at: (u32, u32)) -> u32 {
+        let error = overlap_error(self.pixels, self.size, under, placement.width, at);
+        error.expect("allowed positions keep the block inside of the sample")
+    }
 }
 
 /// The output while it grows: for each painted pixel, the sample pixel it is a copy of.
-struct Canvas {
-    size: (u32, u32),
-    source: Vec<Option<(u16, u16)>>,
+pub(super) struct Canvas {
+    pub size: (u32, u32),
+    pub source: Vec<Option<(u16, u16)>>,
 }
 
 impl Canvas {
     /// Where the block's pixel (`dx`, `dy`) lies in the output. Only a tileable layout's blocks ever wrap round.
-    fn index(&self, placement: &Placement, dx: u32, dy: u32) -> usize {
+    pub fn index(&self, placement: &Placement, dx: u32, dy: u32) -> usize {
         let (x, y) = ((placement.x + dx) % self.size.0, (placement.y + dy) % self.size.1);
         (y * self.size.0 + x) as usize
     }
 
     /// The colours under the block, row by row.
-    fn colours(&self, placement: &Placement, sample: &Sample) -> Vec<Option<[u8; 3]>> {
+    pub fn colours(&self, placement: &Placement, sample: &Sample) -> Vec<Option<[u8; 3]>> {
         let at = |(dx, dy)| self.source[self.index(placement, dx, dy)];
         offsets(placement).map(|pixel| at(pixel).map(|(x, y)| sample.rgb(u32::from(x), u32::from(y)))).collect()
     }
 }
 
 /// The block's pixels relative to its top left one, row by row.
-fn offsets(placement: &Placement) -> impl Iterator<Item = (u32, u32)> {
+pub(super) fn offsets(placement: &Placement) -> impl Iterator<Item = (u32, u32)> {
     let (width, height) = (placement.width, placement.height);
     (0..height).flat_map(move |dy| (0..width).map(move |dx| (dx, dy)))
 }
@@ -305,60 +406,55 @@ fn squared_difference(a: [u8; 3], b: [u8; 3]) -> u32 {
     channel(0) + channel(1) + channel(2)
 }
 
-fn expect_pixels(name: &'static str, pixels: usize, (width, height): (u32, u32)) -> Result<()> {
+pub(super) fn expect_pixels(name: &'static str, pixels: usize, (width, height): (u32, u32)) -> Result<()> {
     if pixels as u64 == u64::from(width) * u64::from(height) {
         return Ok(());
     }
     Err(Error::parameter(name, format!("{pixels} pixels"), format!("{width} x {height} pixels")))
 }
 
-/// The allowed positions `[sx0, sy0, sx1, sy1]`, ends included: always such that a whole block lies in the sample, even
-/// where the output clips the block. `None` when the guide covers none of the block's pixels.
-fn allowed_positions(
-    sample: &Sample,
-    canvas: &Canvas,
-    placement: &Placement,
-    params: &QuiltParams,
-    guide: Option<&OracleGuide>,
-) -> Option<[u32; 4]> {
-    let block = params.block_px;
-    let (sx0, sx1) = match guide {
-        None => (0, sample.size.0 - block),
-        Some(guide) => {
-            let pixels = offsets(placement).map(|(dx, dy)| canvas.index(placement, dx, dy));
-            let shades: Vec<u32> = pixels.filter(|&p| guide.covered[p]).map(|p| u32::from(guide.shade[p])).collect();
-            guided_window(shades.iter().sum(), shades.len() as u32, sample.size.0, block, guide.window_px)?
-        }
-    };
-    Some([sx0, 0, sx1, sample.size.1 - block])
+/// Those of the allowed positions whose row is `first_row` or a multiple of `row_step` further, in raster order.
+pub(super) fn positions(
+    [sx0, sy0, sx1, sy1]: [u32; 4],
+    first_row: u32,
+    row_step: u32,
+) -> impl Iterator<Item = (u32, u32)> {
+    (sy0 + first_row..=sy1).step_by(row_step as usize).flat_map(move |sy| (sx0..=sx1).map(move |sx| (sx, sy)))
 }
 
-/// Chooses among the allowed positions: `(sx, sy, error, min_error)`.
-fn choose(
-    sample: &Sample,
-    old: &[Option<[u8; 3]>],
-    placement: &Placement,
-    [sx0, sy0, sx1, sy1]: [u32; 4],
-    params: &QuiltParams,
-    index: u32,
-) -> (u32, u32, u32, u32) {
-    let positions = (sy0..=sy1).flat_map(|sy| (sx0..=sx1).map(move |sx| (sx, sy)));
-    let fits: Vec<(u32, u32, u32)> = positions
-        .map(|(sx, sy)| {
-            let error = overlap_error(sample.pixels, sample.size, old, placement.width, (sx, sy));
-            (sx, sy, error.expect("allowed positions keep the block inside of the sample"))
-        })
-        .collect();
+/// The position chosen for a block, its error, and the least error there was.
+pub(super) struct Choice {
+    pub sx: u32,
+    pub sy: u32,
+    error: u32,
+    min_error: u32,
+}
+
+impl Choice {
+    pub fn record(&self, placement: &Placement, allowed: [u32; 4]) -> BlockRecord {
+        let Placement { row, col, x, y, .. } = *placement;
+        let Choice { sx, sy, error, min_error } = *self;
+        BlockRecord { row, col, x, y, sx, sy, error, min_error, allowed }
+    }
+}
+
+/// Chooses among positions, of which there is at least one.
+pub(super) fn choose(
+    positions: impl Iterator<Item = (u32, u32)>,
+    error: impl Fn((u32, u32)) -> u32,
+    tolerance_e4: u32,
+    hash: u32,
+) -> Choice {
+    let fits: Vec<(u32, u32, u32)> = positions.map(|at| (at.0, at.1, error(at))).collect();
     let min_error = fits.iter().map(|fit| fit.2).min().expect("at least one position is allowed");
-    let limit = threshold(min_error, params.tolerance_e4());
+    let limit = threshold(min_error, tolerance_e4);
     let admissible: Vec<_> = fits.into_iter().filter(|fit| fit.2 <= limit).collect();
-    let choice = choice_index(block_hash(params.seed, index, 0), admissible.len() as u32);
-    let (sx, sy, error) = admissible[choice as usize];
-    (sx, sy, error, min_error)
+    let (sx, sy, error) = admissible[choice_index(hash, admissible.len() as u32) as usize];
+    Choice { sx, sy, error, min_error }
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Side {
+pub(super) enum Side {
     Left,
     Right,
     Top,
@@ -366,7 +462,7 @@ enum Side {
 }
 
 /// The sides on which the neighbouring block exists and has been placed: where the block must be cut.
-fn active_sides(layout: &Layout, placement: &Placement, tileable: bool, placed: &[bool]) -> Vec<Side> {
+pub(super) fn active_sides(layout: &Layout, placement: &Placement, tileable: bool, placed: &[bool]) -> Vec<Side> {
     let Placement { row, col, .. } = *placement;
     let (columns, rows) = (layout.columns, layout.rows);
     // The grid closes into a ring where the output is to tile, and ends at its borders elsewhere.

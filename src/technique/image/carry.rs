@@ -57,6 +57,7 @@ struct CarryPush {
 
 /// What carrying needs.
 pub(super) struct Carry {
+    places: Image,
     layers: Vec<Layer>,
     /// Draws all paints.
     settle: PicturePass,
@@ -64,6 +65,7 @@ pub(super) struct Carry {
 
 /// What it needs for a paint.
 struct Layer {
+    carried: Image,
     carry: PicturePass,
     carry_set: BindingSet,
     push: CarryPush,
@@ -121,9 +123,14 @@ impl Carry {
             let settle_set = BindingSet::new(context, settle.pipeline(), &bound)?;
             let (least, most) = params.limits();
             let push = CarryPush { sample: [width, height], paint: number, least, most };
-            layers.push(Layer { carry, carry_set, push, repair, settle_set });
+            layers.push(Layer { carried, carry, carry_set, push, repair, settle_set });
         }
-        Ok(Carry { layers, settle })
+        Ok(Carry { places, layers, settle })
+    }
+
+    /// Places, and what was carried for each paint.
+    pub(super) fn images(&self) -> (&Image, Vec<&Image>) {
+        (&self.places, self.layers.iter().map(|layer| &layer.carried).collect())
     }
 
     /// Records carrying and repairs, from the guide on; `quilts` are those of the technique.

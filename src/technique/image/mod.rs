@@ -377,6 +377,12 @@ impl ImageTechnique {
         &self.tone
     }
 
+    /// After [`ImageTechnique::carry`], the last frame's places and what was carried to it for each paint. For tests.
+    #[doc(hidden)]
+    pub fn carried(&self) -> Option<(&Image, Vec<&Image>)> {
+        self.carry.as_ref().map(Carry::images)
+    }
+
     /// The synthesis of each paint.
     pub fn quilts(&self) -> impl Iterator<Item = &Quilt> {
         self.layers.iter().map(|layer| &layer.quilt)
