@@ -71,10 +71,13 @@ fn light(cosine: f32) -> Lights {
     Lights::new(vec![DirectionalLight::new(direction, 1.0).expect("a light")]).expect("lights")
 }
 
+/// What motion has where the surface was in sight.
+const SHOWN: u32 = 1 << 31;
+
 /// A motion picture: `way` leads from each pixel to where its surface was; none where that was not in sight.
 fn motion(size: (u32, u32), way: impl Fn(f64, f64) -> Option<(f64, f64)>) -> Vec<u32> {
-    let half = |px: f64| (32_768.0 + (64.0 * px).round()) as u32;
-    let word = |(dx, dy)| half(dx) | half(dy) << 16;
+    let bits = |px: f64| (16_384.0 + (64.0 * px).round()) as u32;
+    let word = |(dx, dy)| SHOWN | bits(dx) | bits(dy) << 15;
     let pixels = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (f64::from(x), f64::from(y))));
     pixels.map(|(x, y)| way(x, y).map_or(0, word)).collect()
 }
@@ -89,19 +92,25 @@ fn turned(size: (u32, u32), degrees: f64, zoom: f64, shift: (f64, f64)) -> Vec<u
     })
 }
 
-/// Motion in which some squares come into sight, and others move each for itself.
+/// Motion in which some squares come into sight, moving in a known way or not, and others move each for itself.
 fn torn(size: (u32, u32), seed: u32) -> Vec<u32> {
     let mut numbers = Numbers(seed);
     let squares: Vec<u32> = (0..400).map(|_| numbers.next()).collect();
-    motion(size, |x, y| {
-        let number = squares[(x as usize / 11 + 20 * (y as usize / 11)) % 400];
+    let number_at = |x: usize, y: usize| squares[(x / 11 + 20 * (y / 11)) % 400];
+    let mut words = motion(size, |x, y| {
+        let number = number_at(x as usize, y as usize);
         let far = |bits: u32| f64::from(bits % 512) / 32.0 - 8.0;
         match number % 5 {
             0 => None,
             1 => Some((far(number >> 8), far(number >> 17))),
             _ => Some((0.0, 0.0)),
         }
-    })
+    });
+    for (i, word) in words.iter_mut().enumerate() {
+        let hidden = number_at(i % size.0 as usize, i / size.0 as usize) % 7 == 3;
+        *word &= if hidden { !SHOWN } else { u32::MAX };
+    }
+    words
 }
 
 fn at_rest(size: (u32, u32)) -> Vec<u32> {
@@ -154,12 +163,12 @@ fn frames_of_two_paints_equal_the_oracle() {
     for (size, quilt, k, repair) in [
         ((97, 83), quilt(16, 4), Some(1.0), RepairParams::default()),
         ((80, 75), quilt(16, 4), Some(4.0), RepairParams::default()),
-        ((64, 70), quilt(9, 3), None, RepairParams { stretch: 1.05, slack: 0.0 }),
+        ((64, 70), quilt(9, 3), None, RepairParams { stretch: 1.05, tolerance: 0.1, slack: 0.0 }),
         (
             (90, 50),
             QuiltParams { tolerance: 0.5, ..quilt(24, 12) },
             Some(0.3),
-            RepairParams { stretch: 1.5, slack: 3.0 },
+            RepairParams { stretch: 1.5, tolerance: 2.0, slack: 3.0 },
         ),
     ] {
         let strips = [noise_strip(180, 110, 3), noise_strip(77, 60, 4)];
@@ -455,8 +464,12 @@ fn wrong_use_of_carrying_is_told() {
         let message = refused(&pass, &paints, &motion, RepairParams { slack, ..fine });
         assert!(message.contains("slack is") && message.contains("0 to 100 block sizes"), "{message}");
     }
+    for tolerance in [-0.1, 10.5, f32::NAN] {
+        let message = refused(&pass, &paints, &motion, RepairParams { tolerance, ..fine });
+        assert!(message.contains("repair tolerance is") && message.contains("0 to 10"), "{message}");
+    }
     for (stretch, slack) in [(1.05, 0.0), (1.5, 100.0)] {
-        assert!(RepairParams { stretch, slack }.check().is_ok());
+        assert!(RepairParams { stretch, slack, ..fine }.check().is_ok());
     }
     assert!(technique.carry(&gpu.context, &mut uploads, &pass, &paints, &motion, &fine).is_ok());
 }

@@ -10,7 +10,8 @@ const STEPS: i32 = 64;
 #[derive(Clone, Copy)]
 pub struct Moved<'a> {
     pub size: (u32, u32),
-    /// As uploaded: 0 for none, else 32,768 + 64 times the way to where the surface was, x in the low half.
+    /// As uploaded: twice 15 bits, x low, 16,384 + 64 times the way to where the surface was; the highest bit if that was
+    /// in sight; 0 where nothing is known.
     pub motion: &'a [u32],
     /// The number of each pixel's paint, from 1; 0 is background.
     pub paint_at: &'a [u32],
@@ -29,14 +30,28 @@ impl Moved<'_> {
         Some((x as i32, y as i32))
     }
 
-    /// The way from a pixel to the next one of its paint whose surface was in sight, and that one's motion in steps.
+    /// The motion of a pixel of a paint in steps, and whether the frame before showed its surface.
+    fn motion_of(&self, at: (i32, i32), paint: u32) -> Option<((i32, i32), bool)> {
+        let pixel = self.index(at).filter(|&pixel| self.paint_at[pixel] == paint)?;
+        let word = self.motion[pixel];
+        let way = |bits: u32| (bits & 0x7fff) as i32 - 16_384;
+        (word != 0).then_some(((way(word), way(word >> 15)), word >> 31 == 1))
+    }
+
+    /// The way from a pixel to the one of its paint, itself if it can be, whose surface was in sight and that moves most
+    /// alike, and that one's motion.
     fn in_sight(&self, (x, y): (i32, i32), paint: u32) -> Option<((i32, i32), (i32, i32))> {
-        let ways = (0..=8).flat_map(|r| [(r, 0), (-r, 0), (0, r), (0, -r)]);
-        ways.into_iter().find_map(|way| {
-            let pixel = self.index((x + way.0, y + way.1)).filter(|&pixel| self.paint_at[pixel] == paint)?;
-            let word = self.motion[pixel];
-            (word != 0).then(|| (way, ((word & 0xffff) as i32 - 32_768, (word >> 16) as i32 - 32_768)))
-        })
+        let own = self.motion_of((x, y), paint);
+        if let Some((way, true)) = own {
+            return Some(((0, 0), way));
+        }
+        let around = (1..=8).flat_map(|r| [(r, 0), (-r, 0), (0, r), (0, -r)].map(|shift| (r, shift)));
+        let alike = around.filter_map(|(r, shift)| {
+            let (way, shown) = self.motion_of((x + shift.0, y + shift.1), paint)?;
+            let apart = own.map_or(0, |(own, _)| (way.0 - own.0).abs() + (way.1 - own.1).abs());
+            (shown && apart + r < STEPS).then_some((apart + r, (shift, way)))
+        });
+        alike.min_by_key(|(cost, _)| *cost).map(|(_, found)| found)
     }
 
     /// How places change from a pixel with one to the next along an axis.
@@ -109,11 +124,12 @@ fn fits(right: (i32, i32), down: (i32, i32), (least, most): (u32, u32)) -> bool 
     beyond(most, 1) && beyond(least, -1) && upright
 }
 
-/// The weight of a texel `d` away, by cubic convolution (Keys 1981, a = -1/2).
+/// The weight of a texel `d` away, by cubic convolution (Keys 1981, a = -0.9).
 fn keys(d: f64) -> f64 {
+    const A: f64 = -0.9;
     match d.abs() {
-        d if d <= 1.0 => (1.5 * d - 2.5) * d * d + 1.0,
-        d if d < 2.0 => ((-0.5 * d + 2.5) * d - 4.0) * d + 2.0,
+        d if d <= 1.0 => ((A + 2.0) * d - (A + 3.0)) * d * d + 1.0,
+        d if d < 2.0 => A * (((d - 5.0) * d + 8.0) * d - 4.0),
         _ => 0.0,
     }
 }
