@@ -424,7 +424,7 @@ fn the_comparison_notices_every_kind_of_difference() {
         (sequence.params, sequence.repair) = (params, repair);
     };
     other(&|s| s.params.quilt.seed += 1);
-    other(&|s| s.params.quilt.tolerance = 0.0);
+    other(&|s| s.repair.tolerance = 0.0);
     other(&|s| s.params.k = Some(0.5));
     other(&|s| s.repair.stretch = 1.06);
     other(&|s| s.repair.slack = 0.0);

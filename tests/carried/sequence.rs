@@ -38,7 +38,7 @@ pub struct Model<'a> {
 
 /// How far a frame may be off on average, between texels: lavapipe's filter makes it about 0.6, and the corners'
 /// weights would add 0.1.
-const MEAN_OFF: f64 = 0.65;
+const MEAN_OFF: f64 = 0.68;
 
 pub struct Sequence<'a> {
     gpu: &'a Validated,
