@@ -95,6 +95,7 @@ fn one_byte_changed_is_noticed() {
         "synthesis/quilt_place.comp",
         "synthesis/quilt_search.comp",
         "synthesis/repair_fit.comp",
+        "technique/image_blend.comp",
         "technique/image_carry.frag",
     ];
     assert_eq!(stale_after("synthesis/quilt_place.comp", |t| t.replacen('<', ">", 1)), quilting[2..3]);
