@@ -2,13 +2,14 @@
 //!
 //! `make bench` prints, for the 100,000-triangle skull where the sample data is at hand and the built-in head
 //! otherwise: the time of preparing, and for a 1024x1024 frame the CPU time of the whole process (both cores and the
-//! driver's threads, from /proc) and the wall time, beside the guide pass alone and beside image-based synthesis of the
-//! same frame. Nothing passes or fails by time; every round must give the bytes of the first.
+//! driver's threads, from /proc) and the wall time, beside the guide pass alone; then frames a second of a model that
+//! turns, by every technique, beside image-based synthesis of every frame anew. Nothing passes or fails by time; every round must give the bytes of the first.
 
 use impasto::gpu::{Context, ContextOptions, Image, Recorder, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
 use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, MotionPass, Vec3};
-use impasto::synthesis::quilt::QuiltStages;
+use impasto::synthesis::quilt::{PreviousWeight, QuiltStages};
+use impasto::synthesis::repair::RepairParams;
 use impasto::technique::aligned::{
     screen_displacements, AlignedFrame, AlignedTechnique, LevelParams, LevelSource, LevelVolume,
 };
@@ -169,18 +170,6 @@ fn main() -> Result {
     frames(&mut runner, rounds, "view-dependent", Some(dependent.frame()), |recorder| {
         dependent.record(recorder, &moment, Show::Painted)
     })?;
-    // By two eyes in turn, so that every direction follows one of them in every frame.
-    let aside =
-        Camera::framing(&mesh, &Framing { yaw_deg: Framing::default().yaw_deg + 90.0, ..Default::default() }, 1.0)?;
-    let aside = Moment::at_rest(aside, Lights::default());
-    let turn = std::cell::Cell::new(false);
-    frames(&mut runner, rounds, "view-dependent, carried", None, |recorder| {
-        turn.set(!turn.get());
-        let seen = if turn.get() { &aside } else { &moment };
-        dependent.record_carry(recorder, seen, Carry::Next);
-        dependent.record_picture(recorder, &moment, Show::Painted)
-    })?;
-
     // What a host does for every frame when the texture follows the objects.
     let next = Moment { camera: moment.camera.orbited(1.0, Vec3::Y)?, ..moment.clone() };
     let moments = [&moment, &next];
@@ -193,28 +182,123 @@ fn main() -> Result {
     let vertices = mesh.positions().len();
     println!("  way of {vertices} vertices, on one core: {}", median_and_p95(wall));
 
-    // The alternative: the frame synthesised anew.
-    let params = ImageParams::default();
-    let image = ImageTechnique::new(&context, &mut uploads, &stages, &guides, &paints, &of_object, &params)?;
-    runner.run(|recorder| {
-        uploads.record(recorder);
-        Ok(())
+    let mut orbit = Vec::new();
+    for number in 0..=FRAMES {
+        let camera = moment.camera.orbited(number as f32, Vec3::Y)?.fit_depth(&mesh);
+        orbit.push(Moment { camera, ..moment.clone() });
+    }
+    println!("turning by a degree from frame to frame, after the first:");
+    let turn = |name, steps: usize| Turn { name, rounds, moments: &orbit[..=steps] };
+    let all = FRAMES as usize;
+    turn("object-based", all).run(&mut runner, object.frame(), |runner, now, _| {
+        runner.run(|recorder| object.record(recorder, &orbit[now], range, Show::Painted))
     })?;
-    let (mut cpu, mut wall) = (Vec::new(), Vec::new());
-    for round in 0..=rounds {
-        let (before, start) = (cpu_ms(), Instant::now());
-        for part in image.parts(PART) {
+    let offsets = std::cell::RefCell::new(vec![[0.0; 2]; mesh.objects().len()]);
+    turn("view-aligned", all).run(&mut runner, aligned.frame(), |runner, now, fresh| {
+        let mut offsets = offsets.borrow_mut();
+        if fresh {
+            offsets.fill([0.0; 2]);
+        } else {
+            let ways = screen_displacements(&mesh, [&orbit[now - 1], &orbit[now]], SIZE)?;
+            for (offset, way) in offsets.iter_mut().zip(ways) {
+                *offset = [0, 1].map(|axis| offset[axis] - f64::from(way[axis]));
+            }
+        }
+        runner.run(|recorder| {
+            guides.record(recorder, &orbit[now])?;
+            aligned.record(recorder, &AlignedFrame::default(), &offsets)
+        })
+    })?;
+    turn("view-dependent", all).run(&mut runner, dependent.frame(), |runner, now, fresh| {
+        let carry = if fresh { Carry::Cut } else { Carry::Next };
+        runner.run(|recorder| {
+            dependent.record_carry(recorder, &orbit[now], carry);
+            dependent.record_picture(recorder, &orbit[now], Show::Painted)
+        })
+    })?;
+    let mut sequence = |previous, carried| -> impasto::Result<ImageTechnique> {
+        let params = ImageParams { previous, ..Default::default() };
+        let mut image = ImageTechnique::new(&context, &mut uploads, &stages, &guides, &paints, &of_object, &params)?;
+        if carried {
+            let repair = RepairParams::default();
+            image.carry(&context, &mut uploads, &guides, &paints, motion.motion(), &repair)?;
+        }
+        runner.run(|recorder| {
+            uploads.record(recorder);
+            Ok(())
+        })?;
+        Ok(image)
+    };
+    let carried = sequence(None, true)?;
+    let matched = sequence(Some(PreviousWeight(1.0)), false)?;
+    let anew = sequence(None, false)?;
+    turn("image-based, carried", all).run(&mut runner, carried.frame(), |runner, now, fresh| {
+        let before = (!fresh).then(|| &orbit[now - 1]);
+        runner.run(|recorder| {
+            guides.record(recorder, &orbit[now])?;
+            motion.record(recorder, before, &orbit[now])?;
+            match before {
+                Some(_) => carried.record_next(recorder, 1, now as u32),
+                None => carried.record(recorder, 1, now as u32),
+            }
+            Ok(())
+        })
+    })?;
+    for (name, image) in [("image-based, matched", &matched), ("image-based, anew", &anew)] {
+        turn(name, 3).run(&mut runner, image.frame(), |runner, now, fresh| {
             runner.run(|recorder| {
-                image.record_part(recorder, &part, 1, 0);
+                guides.record(recorder, &orbit[now])?;
+                if fresh {
+                    image.forget(recorder);
+                }
                 Ok(())
             })?;
-        }
-        if round > 0 {
-            wall.push(seconds(start) * 1e3);
-            cpu.extend(before.zip(cpu_ms()).map(|(before, after)| after - before));
-        }
+            for part in image.parts(PART) {
+                runner.run(|recorder| {
+                    image.record_part(recorder, &part, 1, now as u32);
+                    Ok(())
+                })?;
+            }
+            Ok(())
+        })?;
     }
-    let cpu = if cpu.is_empty() { "unknown".to_owned() } else { median_and_p95(cpu) };
-    println!("  frame, {:22} CPU {cpu}; wall {}", "image-based, anew", median_and_p95(wall));
     Ok(())
+}
+
+/// A sequence whose first frame is drawn before time is taken.
+struct Turn<'a> {
+    name: &'static str,
+    rounds: usize,
+    moments: &'a [Moment],
+}
+
+impl Turn<'_> {
+    /// Draws it, a few rounds. `draw` draws a frame, and is told whether it is the first.
+    fn run(
+        &self,
+        runner: &mut Runner,
+        image: &Image,
+        draw: impl Fn(&mut Runner, usize, bool) -> impasto::Result<()>,
+    ) -> Result {
+        let (mut cpu, mut wall) = (Vec::new(), Vec::new());
+        let mut last: Option<Vec<u8>> = None;
+        let frames = (self.moments.len() - 1) as f64;
+        for _ in 0..self.rounds {
+            draw(runner, 0, true)?;
+            let (cpu_before, start) = (cpu_ms(), Instant::now());
+            for now in 1..self.moments.len() {
+                draw(runner, now, false)?;
+            }
+            wall.push(start.elapsed().as_secs_f64() * 1e3 / frames);
+            cpu.extend(cpu_before.zip(cpu_ms()).map(|(before, after)| (after - before) / frames));
+            let bytes = runner.read_image(image)?;
+            if *last.get_or_insert_with(|| bytes.clone()) != bytes {
+                return Err(format!("{}: a round gave other bytes than the first", self.name).into());
+            }
+        }
+        let mean = wall.iter().sum::<f64>() / wall.len() as f64;
+        let cpu = if cpu.is_empty() { "unknown".to_owned() } else { median_and_p95(cpu) };
+        println!("  {:28} CPU {cpu}; wall {}; {:.1} frames/s", self.name, median_and_p95(wall), 1e3 / mean);
+        Ok(())
+    }
 }
