@@ -29,6 +29,9 @@ layout(push_constant) uniform Push {
     uint keep_contrast;
 } push;
 
+// Whether any object is elsewhere than in the mesh.
+layout(constant_id = 0) const bool MOVED = true;
+
 layout(location = 0) out vec4 frame;
 
 // Difference, and how far inside the slice's faces the place lies, 0 to 1.
@@ -49,11 +52,13 @@ void main() {
     vec4 weight = vec4(unpackUnorm2x16(blend.x), unpackUnorm2x16(blend.y));
     vec3 ray = push.corner.xyz + gl_FragCoord.x * push.across.xyz + gl_FragCoord.y * push.down.xyz;
     vec4 world = vec4(push.eye.xyz + imageLoad(along, p).r * ray, 1.0);
-    uint object = blend.w >> 16;
-    ivec2 rows = ivec2(3u * (object & 1023u), object >> 10);
-    vec4 position = vec4(dot(imageLoad(objects, rows), world),
-                         dot(imageLoad(objects, rows + ivec2(1, 0)), world),
-                         dot(imageLoad(objects, rows + ivec2(2, 0)), world), 1.0);
+    vec4 position = world;
+    if (MOVED) {
+        uint object = blend.w >> 16;
+        ivec2 rows = ivec2(3u * (object & 1023u), object >> 10);
+        position.xyz = vec3(dot(imageLoad(objects, rows), world), dot(imageLoad(objects, rows + ivec2(1, 0)), world),
+                            dot(imageLoad(objects, rows + ivec2(2, 0)), world));
+    }
     // A slice counts for less towards the faces that it does not show, and for nearly nothing where it ends.
     vec4 blended = vec4(0.0);
     float squares = 0.0;

@@ -21,18 +21,24 @@ pub(super) struct PicturePass {
 
 impl PicturePass {
     /// Prepares to run a shader, whose vertex shader is [`PICTURE`] and which writes `images`, of one size, over the pixels
-    /// that `depth` has something at. Elsewhere they become 0.
+    /// that `depth` has something at. Elsewhere they become 0. `constants` are its specialisation constants 0, 1, ...
     ///
     /// # Errors
     /// [`crate::Error::Memory`] when the budget does not allow it, [`crate::Error::Vulkan`] when a call fails.
-    pub fn new(context: &Context, shader: RasterShader, images: &[&Image], depth: &Image) -> Result<Self> {
+    pub fn new(
+        context: &Context,
+        shader: RasterShader,
+        constants: &[u32],
+        images: &[&Image],
+        depth: &Image,
+    ) -> Result<Self> {
         let color = |image: &&Image| Attachment { format: image.format(), role: Role::Color };
         let mut attachments: Vec<Attachment> = images.iter().map(color).collect();
         attachments.push(Attachment { format: depth.format(), role: Role::DepthBefore });
         let pass = RenderPass::new(context, shader.name, &attachments)?;
         let images: Vec<&Image> = images.iter().copied().chain([depth]).collect();
         let target = Framebuffer::new(context, &pass, &images)?;
-        let desc = RasterDesc { shader, vertex_bytes: 0, attributes: &[], cull_back: false, constants: &[] };
+        let desc = RasterDesc { shader, vertex_bytes: 0, attributes: &[], cull_back: false, constants };
         let pipeline = RasterPipeline::new(context, &pass, &desc)?;
         Ok(PicturePass { pass, target, pipeline })
     }

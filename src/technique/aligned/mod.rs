@@ -169,7 +169,7 @@ impl AlignedTechnique {
         }
         let colors = ColorTable::new(context, uploads, trajectories.iter().copied())?;
         let frame = frame_for(context, ALIGNED.name, guides.depth())?;
-        let pass = PicturePass::new(context, ALIGNED, &[&frame], guides.depth())?;
+        let pass = PicturePass::new(context, ALIGNED, &[], &[&frame], guides.depth())?;
         let (repeat, clamp) = (vk::SamplerAddressMode::REPEAT, vk::SamplerAddressMode::CLAMP_TO_EDGE);
         let sampler = Sampler::linear(context, [repeat, repeat, clamp])?;
         let paint_of_object = paint_of_object[..guides.object_count()].to_vec();

@@ -35,7 +35,7 @@ use crate::gpu::{
     Shader, Uploads, VertexAttribute,
 };
 use crate::paint::Trajectory;
-use crate::scene::{Camera, Lights, Mesh, MeshDesc, MeshPass, Moment, ObjectRows, Run, Vec3};
+use crate::scene::{Camera, Lights, Mesh, MeshDesc, MeshPass, Moment, ObjectRows, Pose, Run, Vec3};
 use crate::synthesis::params::QuiltParams;
 use crate::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use crate::synthesis::volume::{SliceCopy, Volume};
@@ -196,7 +196,8 @@ pub struct DependentTechnique {
     /// For each object the rows that take world space to the mesh's.
     objects: ObjectRows<3>,
     mesh: MeshPass,
-    pass: PicturePass,
+    /// With all objects where the mesh has them, and with any elsewhere.
+    passes: [PicturePass; 2],
     frame: Image,
     set: BindingSet,
 }
@@ -275,7 +276,8 @@ impl DependentTechnique {
         };
         let mesh_pass = MeshPass::new(context, uploads, mesh, &desc)?;
         let frame = frame_for(context, DEPENDENT.name, mesh_pass.depth())?;
-        let pass = PicturePass::new(context, DEPENDENT, &[&frame], mesh_pass.depth())?;
+        let pass = |moved| PicturePass::new(context, DEPENDENT, &[moved], &[&frame], mesh_pass.depth());
+        let passes = [pass(0)?, pass(1)?];
         let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
         let bound = [
             (&shade).into(),
@@ -287,7 +289,7 @@ impl DependentTechnique {
             colors.image().into(),
             objects.image().into(),
         ];
-        let set = BindingSet::new(context, pass.pipeline(), &bound)?;
+        let set = BindingSet::new(context, passes[0].pipeline(), &bound)?;
         Ok(DependentTechnique {
             params: *params,
             preparation: Some(preparation),
@@ -296,7 +298,7 @@ impl DependentTechnique {
             carry,
             objects,
             mesh: mesh_pass,
-            pass,
+            passes,
             frame,
             set,
         })
@@ -400,7 +402,8 @@ impl DependentTechnique {
             show: show as u32,
             keep_contrast: u32::from(self.params.keep_contrast),
         };
-        self.pass.record(recorder, &[(&self.set, push)]);
+        let moved = moment.poses.iter().any(|pose| *pose != Pose::REST);
+        self.passes[usize::from(moved)].record(recorder, &[(&self.set, push)]);
         Ok(())
     }
 

@@ -97,14 +97,14 @@ impl Carry {
         }
         let image = |name| Image::new(context, name, &ImageDesc::drawn(size[0], size[1], PLACES));
         let places = image("image places")?;
-        let settle = PicturePass::new(context, IMAGE_SETTLE, &[&technique.frame, &places], guides.depth())?;
+        let settle = PicturePass::new(context, IMAGE_SETTLE, &[], &[&technique.frame, &places], guides.depth())?;
         let sampler = Sampler::linear(context, [vk::SamplerAddressMode::CLAMP_TO_EDGE; 3])?;
         let stages = RepairStages::new(context)?;
         let mut layers = Vec::with_capacity(paints.len());
         for ((number, layer), paint) in (1..).zip(&technique.layers).zip(paints) {
             let (quilt, sample) = (&layer.quilt, &layer.sample);
             let carried = image("image carried")?;
-            let carry = PicturePass::new(context, IMAGE_CARRY, &[&carried, quilt.canvas()], guides.depth())?;
+            let carry = PicturePass::new(context, IMAGE_CARRY, &[], &[&carried, quilt.canvas()], guides.depth())?;
             let bound = [motion.into(), (&technique.guide).into(), (&places).into(), sample.image().into()];
             let carry_set = BindingSet::new(context, carry.pipeline(), &bound)?;
             let (width, height) = sample.size();
