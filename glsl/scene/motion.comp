@@ -1,5 +1,6 @@
 #version 450
-// Where each pixel's surface was in the previous frame, and whether that frame showed it (thesis 9.3: coherence in object space).
+// Where each pixel's surface was in the previous frame, and whether that frame showed it (thesis 9.3: coherence in
+// object space).
 // In:  ID and depth now and then; for object i, in columns 3 * (i % 1024) to + 2 and row i / 1024, the rows that take a
 //      place now, (x, y, 1 - depth, 1) of clip space, to x, y and w of clip space then, by the distance now.
 // Out: a word of two times 15 bits, x low, each 16,384 + 64 times the pixels of the way to the place then, and the highest

@@ -4,12 +4,12 @@
 // Steps of a texel, in x and y of a place.
 const int STEPS = 64;
 
-// A place as images have it, 16 bits to a channel: x in the first two, y in the others, low half first. None is all zero;
-// this is in the last one where there is one.
+// A place as images have it, 16 bits to a channel: x in the first two, y in the others, low half first. None is all
+// zero; this is in the last one where there is one.
 const uint PRESENT = 0x8000u;
 
-// In the last one too, where the texture there is stretched, compressed or turned so far that it no longer looks like the
-// sample.
+// In the last one too, where the texture there is stretched, compressed or turned so far that it no longer looks like
+// the sample.
 const uint MISFIT = 0x4000u;
 
 // What `source` holds where nothing was pasted in this frame.

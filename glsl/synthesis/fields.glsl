@@ -1,6 +1,6 @@
 // Which parts of a block are painted already. Its overlaps cut a block into 3 x 3 fields, and a field is painted if any
-// neighbour that reaches into it is placed. Bit 3 * band + field of a set of fields.
-// For shaders that have declared `blocks` and a block of push constants with columns, rows, block_px, overlap_px, tileable.
+// neighbour that reaches into it is placed. Bit 3 * band + field of a set of fields. For shaders that have declared
+// `blocks` and a block of push constants with columns, rows, block_px, overlap_px, tileable.
 
 // Whether the neighbour `dx`, `dy` blocks away (-1, 0 or 1) is placed.
 bool placed(int row, int col, int dy, int dx) {

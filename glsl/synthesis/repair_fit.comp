@@ -2,12 +2,11 @@
 // Repair, first stage: which blocks keep the texture that was carried along, and which are synthesised anew.
 //
 // One workgroup a block. A block answers for its cell: its part of the output up to the middle of its overlaps. It is
-// synthesised anew when a covered pixel of the cell has no carried texture, when the texture of more than half of the cell
-// no longer looks like the sample, or when it comes from another part of the sample than the cell's shade now asks for: as
-// in quilt_guide, L the mean shade of the block's covered pixels; a block of the sample whose texel (x, y) lies at pixel
-// (x, y) of the block would have its left edge at the mean of place - pixel, which must lie within the window, or `slack`
-// beyond it.
-// Rounds: blocks that are placed at once share no pixel; see src/synthesis/repair.rs.
+// synthesised anew when a covered pixel of the cell has no carried texture, when the texture of more than half of the
+// cell no longer looks like the sample, or when it comes from another part of the sample than the cell's shade now asks
+// for: as in quilt_guide, L the mean shade of the block's covered pixels; a block of the sample whose texel (x, y) lies
+// at pixel (x, y) of the block would have its left edge at the mean of place - pixel, which must lie within the window,
+// or `slack` beyond it. Rounds: blocks that are placed at once share no pixel; see src/synthesis/repair.rs.
 // In:  guide, carried places.
 // Out: state and allowed columns of every block; the blocks of each round, in any order, and how many they are, as the
 //      workgroups of search and placing. Integer arithmetic throughout.

@@ -1,7 +1,7 @@
 #version 450
-// Image-based technique, a frame between two textures that were synthesised for other frames (thesis chapter 6): colour by
-// this frame's shade, texture blended between the two. One dispatch for each paint; pixels of others stay.
-// Where only one of the two has texture, that is taken; the contrast of a blend is kept (paint.glsl).
+// Image-based technique, a frame between two textures that were synthesised for other frames (thesis chapter 6): colour
+// by this frame's shade, texture blended between the two. One dispatch for each paint; pixels of others stay. Where
+// only one of the two has texture, that is taken; the contrast of a blend is kept (paint.glsl).
 // In:  tone, guide, the canvases of the earlier and the later texture, the paints' colours.
 // Out: frame, straight alpha, background 0.
 #extension GL_GOOGLE_include_directive : require

@@ -2,12 +2,11 @@
 // Image-based technique, texture that follows the surface: brings the places of the last frame's texture to where its
 // surface is now.
 //
-// Each pixel takes its place from the pixel of the last frame that its surface was nearest to, and goes on from there to
-// where it was exactly, by the differences between places that lie there already: places are linear within a piece of
-// texture, so nothing is lost by this however often it is done, and no colour is ever mixed. The differences also tell how
-// far the texture is stretched. A surface that comes into
-// sight takes what lies beside it and moves as it does, as if the texture went on there; what it was hidden by moves
-// otherwise.
+// Each pixel takes its place from the pixel of the last frame that its surface was nearest to, and goes on from there
+// to where it was exactly, by the differences between places that lie there already: places are linear within a piece
+// of texture, so nothing is lost by this however often it is done, and no colour is ever mixed. The differences also
+// tell how far the texture is stretched. A surface that comes into sight takes what lies beside it and moves as it
+// does, as if the texture went on there; what it was hidden by moves otherwise.
 // In:  guide, motion (where the surface was in the last frame, twice 15 bits, x low, 16,384 + 64 times the pixels; the
 //      highest bit where that frame showed it; 0 where nothing is known), the last frame's places, the paint's 8-bit
 //      sample.
@@ -35,8 +34,8 @@ layout(location = 1) out uint canvas;
 const int REST = 16384;
 const uint SHOWN = 0x80000000u;
 
-// How far, in pixels, texture grows over a surface that comes into sight, and how far, in steps, what moves as that does
-// may come apart from it in a frame.
+// How far, in pixels, texture grows over a surface that comes into sight, and how far, in steps, what moves as that
+// does may come apart from it in a frame.
 const int REACH = 8;
 const int TOGETHER = STEPS;
 
@@ -70,8 +69,8 @@ ivec2 slope(ivec2 here, uvec4 after, uvec4 before, ivec2 way, bool prefer_after)
 const int TURN_NUMERATOR = 15;
 const int TURN_DENOMINATOR = 26;
 
-// Whether texture still looks like the sample where the Jacobian J, from picture to sample, has these columns, in steps:
-// its singular values are within limits, and it turns by no more than 30 degrees.
+// Whether texture still looks like the sample where the Jacobian J, from picture to sample, has these columns, in
+// steps: its singular values are within limits, and it turns by no more than 30 degrees.
 bool fits(ivec2 right, ivec2 down) {
     int e = right.x * right.x + right.y * right.y + down.x * down.x + down.y * down.y;
     int det = right.x * down.y - right.y * down.x;

@@ -27,8 +27,9 @@ layout(push_constant) uniform Push {
 layout(location = 0) out vec4 frame;
 layout(location = 1) out uvec4 places;
 
-// Keys's parameter. Below his -1/2 the filter sharpens a little: places between texels then have on the mean the contrast of
-// texels, over brush marks, charcoal and watercolour alike, and carrying takes no sharpness from a sequence.
+// Keys's parameter. Below his -1/2 the filter sharpens a little: places between texels then have on the mean the
+// contrast of texels, over brush marks, charcoal and watercolour alike, and carrying takes no sharpness from a
+// sequence.
 const float A = -0.9;
 
 // Weights of the texels at -1, 0, 1 and 2 for a place at t between 0 and 1.

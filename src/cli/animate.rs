@@ -2,7 +2,8 @@
 //!
 //! A frame depends on those since the last keyframe and on nothing else: the first frame, a cut, or every N-th frame
 //! (`--keyframes`). A run may be cut into parts that other machines make, and go on where it was interrupted: what a
-//! frame takes over from those before it is gone through again, from the last keyframe on. While the device works on a frame, other threads encode and write those before it.
+//! frame takes over from those before it is gone through again, from the last keyframe on. While the device works on a
+//! frame, other threads encode and write those before it.
 
 use super::failure::{Failure, Result};
 use super::film::{Sink, Target};

@@ -25,7 +25,8 @@ pub struct CoherenceFlags {
     #[arg(long, value_name = "FACTOR", value_parser = finite, default_value_t = RepairParams::default().stretch,
           allow_hyphen_values = true)]
     stretch: f32,
-    /// For carry: by how many block sizes shade may lead texture out of its window before it is synthesised anew, 0 to 100
+    /// For carry: by how many block sizes shade may lead texture out of its window before it is synthesised anew, 0 to
+    /// 100
     #[arg(long, value_name = "BLOCKS", value_parser = finite, default_value_t = RepairParams::default().slack,
           allow_hyphen_values = true)]
     slack: f32,

@@ -142,8 +142,8 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// Goes on to a frame, with a progress bar of the `session` if one is given. The range of shade stays that of the first
-    /// frame.
+    /// Goes on to a frame, with a progress bar of the `session` if one is given. The range of shade stays that of the
+    /// first frame.
     pub fn advance(&mut self, session: Option<&Session>, device: &mut Device, next: &NextFrame<'_>) -> Result {
         let fresh = next.fresh || !self.began;
         match &mut self.technique {

@@ -171,8 +171,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// As [`Recorder::dispatch`], but the numbers of workgroups are three words of a buffer that shaders have written, from
-    /// byte `offset` on, a multiple of 4.
+    /// As [`Recorder::dispatch`], but the numbers of workgroups are three words of a buffer that shaders have written,
+    /// from byte `offset` on, a multiple of 4.
     pub(crate) fn dispatch_indirect<P: bytemuck::NoUninit>(
         &mut self,
         pipeline: &ComputePipeline,

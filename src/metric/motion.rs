@@ -109,8 +109,8 @@ impl Motion {
         (self.width, self.height)
     }
 
-    /// Where the surface at a pixel is in the next frame, in pixels: whole numbers are centres of pixels; `None` where it
-    /// is not to be seen.
+    /// Where the surface at a pixel is in the next frame, in pixels: whole numbers are centres of pixels; `None` where
+    /// it is not to be seen.
     pub fn place(&self, x: u32, y: u32) -> Option<[f64; 2]> {
         if x >= self.width || y >= self.height {
             return None;

@@ -1,12 +1,12 @@
 //! How sharp the marks of a texture are, and how large.
 //!
-//! A way of painting can be made calm by blurring its strokes or by letting them grow, and then it is calm for the wrong
-//! reason. Both are seen in one frame, without its sample: sharpness in the steps of grey from pixel to pixel, size in
-//! how far grey goes on alike. They mean something beside the same figure of another frame; best of the texture alone
-//! (`Show::Texture`), where shading makes no steps.
+//! A way of painting can be made calm by blurring its strokes or by letting them grow, and then it is calm for the
+//! wrong reason. Both are seen in one frame, without its sample: sharpness in the steps of grey from pixel to pixel,
+//! size in how far grey goes on alike. They mean something beside the same figure of another frame; best of the texture
+//! alone (`Show::Texture`), where shading makes no steps.
 //!
-//! Grey is 0.299 R + 0.587 G + 0.114 B of the stored values. `objects` has a number for every pixel, row by row from the
-//! top, 0 in the background: outlines between objects are no strokes.
+//! Grey is 0.299 R + 0.587 G + 0.114 B of the stored values. `objects` has a number for every pixel, row by row from
+//! the top, 0 in the background: outlines between objects are no strokes.
 
 use super::picture::{grey, Picture};
 use crate::{Error, Result};
@@ -37,10 +37,10 @@ pub fn sharpness(picture: &Picture, objects: &[u32]) -> Result<f64> {
 
 /// The size of strokes in pixels: the lag at which the autocorrelation of grey has fallen to one half.
 ///
-/// Autocorrelation at a lag is the mean product of (grey - mean grey) over pairs of pixels of one object that far apart,
-/// over the variance; along rows and along columns, and the mean of both. Between whole lags it is taken as linear.
-/// `None` for a flat picture, and where it has not fallen to one half before there are no pairs left along rows or
-/// columns.
+/// Autocorrelation at a lag is the mean product of (grey - mean grey) over pairs of pixels of one object that far
+/// apart, over the variance; along rows and along columns, and the mean of both. Between whole lags it is taken as
+/// linear. `None` for a flat picture, and where it has not fallen to one half before there are no pairs left along rows
+/// or columns.
 ///
 /// # Errors
 /// [`Error::Parameter`] for another number of objects than of pixels, and where no pixel is inside.

@@ -62,9 +62,9 @@ impl MotionPass {
         Self::from_images(context, guides.id(), guides.depth(), guides.object_count())
     }
 
-    /// As [`MotionPass::new`], for images of one's own, as [`GuidePass`] has them, of a scene of `object_count` objects:
-    /// object index + 1, R32_UINT, made to be a storage image, and depth, D32_SFLOAT or X8_D24_UNORM_PACK32, made to be
-    /// sampled; both to be copied from.
+    /// As [`MotionPass::new`], for images of one's own, as [`GuidePass`] has them, of a scene of `object_count`
+    /// objects: object index + 1, R32_UINT, made to be a storage image, and depth, D32_SFLOAT or X8_D24_UNORM_PACK32,
+    /// made to be sampled; both to be copied from.
     ///
     /// # Errors
     /// [`Error::Parameter`] for other formats or images of different sizes; those of [`MotionPass::new`].
@@ -105,8 +105,8 @@ impl MotionPass {
         Ok(MotionPass { now, then, objects, motion, stage, set })
     }
 
-    /// Records the motion of a frame that was drawn at `now`, and keeps the frame for the next. `previous` is the moment
-    /// of the frame that was kept last; with `None` nothing has been shown before.
+    /// Records the motion of a frame that was drawn at `now`, and keeps the frame for the next. `previous` is the
+    /// moment of the frame that was kept last; with `None` nothing has been shown before.
     ///
     /// # Errors
     /// [`Error::Parameter`] when a camera has no projection for this picture's shape; nothing is recorded then.
@@ -123,16 +123,16 @@ impl MotionPass {
         Ok(())
     }
 
-    /// The way from each pixel to its surface's place in the previous frame, R32_UINT: twice 15 bits, x low, each 16,384 +
-    /// 64 times the pixels to the right or down, rounded; the highest bit is set where the previous frame showed the
-    /// surface. 0 in the background, and for ways of 256 pixels and more.
+    /// The way from each pixel to its surface's place in the previous frame, R32_UINT: twice 15 bits, x low, each
+    /// 16,384 + 64 times the pixels to the right or down, rounded; the highest bit is set where the previous frame
+    /// showed the surface. 0 in the background, and for ways of 256 pixels and more.
     pub fn motion(&self) -> &Image {
         &self.motion
     }
 }
 
-/// Two frames, and how to get from one to the other. In 64 bits: what is nearly the same on either side cancels here, so
-/// that the shader need not be exact.
+/// Two frames, and how to get from one to the other. In 64 bits: what is nearly the same on either side cancels here,
+/// so that the shader need not be exact.
 struct Frames<'a> {
     then: &'a Moment,
     now: &'a Moment,

@@ -68,8 +68,9 @@ pub(crate) struct FitPush {
 pub struct RepairParams {
     /// By what factor texture may be stretched or compressed in any direction: 1.05 to 1.5.
     pub stretch: f32,
-    /// How much worse than the best position a position may fit and still be chosen, as [`QuiltParams::tolerance`]. More
-    /// than in quilting: what must fit on all sides fits best where the sample is quiet, and a sequence would go that way.
+    /// How much worse than the best position a position may fit and still be chosen, as [`QuiltParams::tolerance`].
+    /// More than in quilting: what must fit on all sides fits best where the sample is quiet, and a sequence would go
+    /// that way.
     pub tolerance: f32,
     /// How many block sizes beyond its window a block's texture may come from once the shade has changed: 0 to 100.
     pub slack: f32,
@@ -144,9 +145,9 @@ pub struct Repair {
 
 impl Repair {
     /// Prepares to repair `quilt`, which is guided and not tileable and was made of `sample`. When it is recorded,
-    /// `carried` (of the output's size, in the format [`PLACES`]) has the places of the quilt's paint, x and y in steps of
-    /// 32 bits, the highest bit of y set where there is one and the next where it no longer looks like the sample; and the
-    /// canvas has the texels nearest to them.
+    /// `carried` (of the output's size, in the format [`PLACES`]) has the places of the quilt's paint, x and y in steps
+    /// of 32 bits, the highest bit of y set where there is one and the next where it no longer looks like the sample;
+    /// and the canvas has the texels nearest to them.
     ///
     /// # Errors
     /// [`Error::Parameter`] for parameters out of range or a quilting that cannot be repaired; [`Error::Memory`] when
@@ -198,9 +199,9 @@ impl Repair {
         Ok(Repair { stages: stages.clone(), params, guide, rounds, row_step, counts, fit_set, match_set, place_set })
     }
 
-    /// Records the repair of `quilt`, that which this was made for. Its [`Quilt::source`] then holds where in the sample
-    /// each pixel that was synthesised anew came from, and [`NOT_PASTED`] elsewhere. `seed` and `frame` enter the random
-    /// choices.
+    /// Records the repair of `quilt`, that which this was made for. Its [`Quilt::source`] then holds where in the
+    /// sample each pixel that was synthesised anew came from, and [`NOT_PASTED`] elsewhere. `seed` and `frame` enter
+    /// the random choices.
     pub fn record(&self, recorder: &mut Recorder<'_>, quilt: &Quilt, seed: u32, frame: u32) {
         let QuiltParams { block_px, overlap_px, .. } = quilt.params;
         let Layout { columns, rows, .. } = quilt.layout;
@@ -236,8 +237,8 @@ impl Repair {
     }
 }
 
-/// How blocks are put into rounds: those of even rows and columns of the grid, those of even rows and odd columns, and so
-/// on; and by bands of rows, where these would be too many.
+/// How blocks are put into rounds: those of even rows and columns of the grid, those of even rows and odd columns, and
+/// so on; and by bands of rows, where these would be too many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Rounds {
     /// Rows of a band; even.

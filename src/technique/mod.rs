@@ -64,8 +64,8 @@ impl Default for ShadeRange {
 }
 
 impl ShadeRange {
-    /// The range of shade of a guide, less half a percent of its pixels at each end, in steps of 1/1023. `shade` and `id` are texels of the guide's images. All of it where there
-    /// is no pixel.
+    /// The range of shade of a guide, less half a percent of its pixels at each end, in steps of 1/1023. `shade` and
+    /// `id` are texels of the guide's images. All of it where there is no pixel.
     pub fn of_guide(shade: &[f32], id: &[u32]) -> Self {
         let mut bins = [0u64; 1024];
         for (shade, _) in shade.iter().zip(id).filter(|(_, id)| **id != 0) {

@@ -20,8 +20,9 @@ pub(super) struct PicturePass {
 }
 
 impl PicturePass {
-    /// Prepares to run a shader, whose vertex shader is [`PICTURE`] and which writes `images`, of one size, over the pixels
-    /// that `depth` has something at. Elsewhere they become 0. `constants` are its specialisation constants 0, 1, ...
+    /// Prepares to run a shader, whose vertex shader is [`PICTURE`] and which writes `images`, of one size, over the
+    /// pixels that `depth` has something at. Elsewhere they become 0. `constants` are its specialisation constants 0,
+    /// 1, ...
     ///
     /// # Errors
     /// [`crate::Error::Memory`] when the budget does not allow it, [`crate::Error::Vulkan`] when a call fails.

@@ -10,8 +10,8 @@ const STEPS: i32 = 64;
 #[derive(Clone, Copy)]
 pub struct Moved<'a> {
     pub size: (u32, u32),
-    /// As uploaded: twice 15 bits, x low, 16,384 + 64 times the way to where the surface was; the highest bit if that was
-    /// in sight; 0 where nothing is known.
+    /// As uploaded: twice 15 bits, x low, 16,384 + 64 times the way to where the surface was; the highest bit if that
+    /// was in sight; 0 where nothing is known.
     pub motion: &'a [u32],
     /// The number of each pixel's paint, from 1; 0 is background.
     pub paint_at: &'a [u32],
@@ -38,8 +38,8 @@ impl Moved<'_> {
         (word != 0).then_some(((way(word), way(word >> 15)), word >> 31 == 1))
     }
 
-    /// The way from a pixel to the one of its paint, itself if it can be, whose surface was in sight and that moves most
-    /// alike, and that one's motion.
+    /// The way from a pixel to the one of its paint, itself if it can be, whose surface was in sight and that moves
+    /// most alike, and that one's motion.
     fn in_sight(&self, (x, y): (i32, i32), paint: u32) -> Option<((i32, i32), (i32, i32))> {
         let own = self.motion_of((x, y), paint);
         if let Some((way, true)) = own {

@@ -127,7 +127,8 @@ fn dependent_frames_have_no_gaps_and_move_without_a_jump() {
     assert!(blend_weights(&directions, set, directions[0])[0].1 > 0.99);
 }
 
-/// What a ray from the eye hits first (Moeller and Trumbore 1997): the object, the face, and where, as the object has it.
+/// What a ray from the eye hits first (Moeller and Trumbore 1997): the object, the face, and where, as the object has
+/// it.
 pub fn hit(mesh: &Mesh, moment: &Moment, ray: Vec3) -> Option<(usize, usize, Vec3)> {
     let corner = |vertex: u32| Vec3::from(mesh.positions()[vertex as usize]).as_dvec3();
     let mut nearest = None;

@@ -1,5 +1,5 @@
-//! The scene: meshes, cameras, light, and the plain rasteriser, against values worked out by hand and properties; motion
-//! on the GPU against the plain one.
+//! The scene: meshes, cameras, light, and the plain rasteriser, against values worked out by hand and properties;
+//! motion on the GPU against the plain one.
 
 mod camera;
 #[path = "../common/mod.rs"]

@@ -3,12 +3,12 @@
 //!
 //! Copied texels would blur more with every frame. What is carried is the direction that the texture was chosen by: the
 //! same slices in the same shares, sampled anew, are the same texture. It is kept for each corner that faces begin at,
-//! rather than for each face: there are several times fewer, and a corner's normal, unlike a face's, differs little from its
-//! neighbours', so that they come into sight together and their textures fit.
+//! rather than for each face: there are several times fewer, and a corner's normal, unlike a face's, differs little
+//! from its neighbours', so that they come into sight together and their textures fit.
 //!
-//! Directions are as the corner's object has them, so an object that turns keeps its texture as if the camera went around
-//! it. A carried direction turns towards the camera's, slowly, so that a picture at rest becomes that of its own view. It
-//! turns faster in two cases, and the more so the more they are given, so that no edges come about:
+//! Directions are as the corner's object has them, so an object that turns keeps its texture as if the camera went
+//! around it. A carried direction turns towards the camera's, slowly, so that a picture at rest becomes that of its own
+//! view. It turns faster in two cases, and the more so the more they are given, so that no edges come about:
 //!
 //! - The corner is turned away from the eye. Beyond 30 degrees behind the horizon its direction is the camera's. So
 //!   what comes into sight has the direction that it came into sight by, and passes over into what was never out of

@@ -209,8 +209,8 @@ impl DependentTechnique {
     ///
     /// # Errors
     /// [`Error::Parameter`] for parameters out of range, a tileable quilting, a strip smaller than a block, no paint,
-    /// or an object without one; [`Error::Device`] when the device's 3D images are too small; [`Error::Memory`] when the
-    /// budget does not allow it.
+    /// or an object without one; [`Error::Device`] when the device's 3D images are too small; [`Error::Memory`] when
+    /// the budget does not allow it.
     #[allow(clippy::too_many_arguments)] // the device, the scene, the paints, the way
     pub fn new(
         context: &Context,
@@ -437,8 +437,8 @@ impl DependentTechnique {
     }
 
     /// What is carried, for each vertex in which faces of one set of slices begin, one after the other in rows: the
-    /// direction that they take their texture by, a unit vector from the middle of the model as their object has it, and
-    /// the cosine of the angle between the vertex's normal and the way from the eye: R32G32B32A32_SFLOAT.
+    /// direction that they take their texture by, a unit vector from the middle of the model as their object has it,
+    /// and the cosine of the angle between the vertex's normal and the way from the eye: R32G32B32A32_SFLOAT.
     pub fn carried(&self) -> &Image {
         self.carry.carried()
     }

@@ -1,10 +1,10 @@
-//! Texture that follows the surface, for image-based sequences beyond the thesis: the quality of synthesis with the calm of
-//! texture that is pinned to the model.
+//! Texture that follows the surface, for image-based sequences beyond the thesis: the quality of synthesis with the
+//! calm of texture that is pinned to the model.
 //!
-//! Each pixel has a *place*: where in the strip its texture comes from. `image_carry` brings the places of the last frame
-//! to where their surface is now, the repair stages of [`crate::synthesis::repair`] synthesise anew what no longer fits,
-//! and `image_settle` writes the places of the new frame and draws it from the strip itself. Colours are looked up once
-//! from the strip and never from a frame, so no blur builds up, however long the sequence.
+//! Each pixel has a *place*: where in the strip its texture comes from. `image_carry` brings the places of the last
+//! frame to where their surface is now, the repair stages of [`crate::synthesis::repair`] synthesise anew what no
+//! longer fits, and `image_settle` writes the places of the new frame and draws it from the strip itself. Colours are
+//! looked up once from the strip and never from a frame, so no blur builds up, however long the sequence.
 
 use super::{ImageTechnique, RecombinePush};
 use crate::gpu::{

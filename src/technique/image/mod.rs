@@ -4,10 +4,12 @@
 //! paint's *difference* image; both are added and clipped. Colour is therefore right at every pixel however coarse the
 //! blocks, and a new colour gradient needs no new synthesis. The background stays transparent.
 //!
-//! Stages: `image_guide` packs the guide, the quilting stages run once for each paint, `image_recombine` draws the frame.
+//! Stages: `image_guide` packs the guide, the quilting stages run once for each paint, `image_recombine` draws the
+//! frame.
 //!
-//! Frames of a sequence that are synthesised each for itself flicker: the model looks as if it was seen through a shower
-//! door. Two things help: [`ImageParams::previous`] as the thesis has it, and [`ImageTechnique::carry`] beyond it.
+//! Frames of a sequence that are synthesised each for itself flicker: the model looks as if it was seen through a
+//! shower door. Two things help: [`ImageParams::previous`] as the thesis has it, and [`ImageTechnique::carry`] beyond
+//! it.
 
 use super::colors::ColorTable;
 use super::picture_pass::frame_for;
@@ -255,7 +257,8 @@ impl ImageTechnique {
     }
 
     /// Lets texture follow the surface from frame to frame, as `motion` says (see [`crate::scene::MotionPass`] for its
-    /// format; R32_UINT, of the guides' size): [`ImageTechnique::record_next`] then draws frames that go on from the last.
+    /// format; R32_UINT, of the guides' size): [`ImageTechnique::record_next`] then draws frames that go on from the
+    /// last.
     ///
     /// # Errors
     /// [`Error::Parameter`] for parameters out of range or a picture of another size; [`Error::Memory`] when the budget
@@ -279,7 +282,8 @@ impl ImageTechnique {
     }
 
     /// Records a frame that goes on from the last one, after [`ImageTechnique::carry`]: texture is carried along, and
-    /// synthesised anew only where it no longer fits. Guides and motion must have been recorded before, and some frame by
+    /// synthesised anew only where it no longer fits. Guides and motion must have been recorded before, and some frame
+    /// by
     /// [`ImageTechnique::record`] or its parts. Without carrying, a frame is that of [`ImageTechnique::record`].
     pub fn record_next(&self, recorder: &mut Recorder<'_>, seed: u32, frame: u32) {
         let Some(carry) = &self.carry else {
@@ -318,8 +322,8 @@ impl ImageTechnique {
     }
 
     /// Records a frame between the last two textures that were synthesised, with colours by the guide that was recorded
-    /// last (thesis chapter 6: new texture for every n-th frame, blended in between); `blend` is 0 for the earlier and 1 for
-    /// the later. For techniques with [`ImageParams::previous`].
+    /// last (thesis chapter 6: new texture for every n-th frame, blended in between); `blend` is 0 for the earlier and
+    /// 1 for the later. For techniques with [`ImageParams::previous`].
     ///
     /// # Errors
     /// [`Error::Parameter`] without it, or for a blend outside of 0..=1; nothing is recorded then.
