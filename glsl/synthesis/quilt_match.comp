@@ -6,6 +6,9 @@
 // canvas and p what the frame before had there; a pixel that is not painted, or that no
 // placed block holds, counts nothing. Thesis chapter 6 asks each
 // block to match the previous frame; texture that was carried along surrounds a block on any side.
+// Without a previous frame, what a position lacks of the contrast around it counts as error too: the sum of |c|^2 less
+// that of |a|^2, of colours less 128, if that is above 0. A quiet position is no nearer to strokes than other strokes are,
+// but half as far by squared differences; what must fit on all sides, frame after frame, would grow ever quieter.
 // Arithmetic: both together are W |a|^2 - 2 a.B + C with W = w1 + w2, B = w1 c + w2 p. All colours are taken less 128,
 // which changes no difference, and sums of floats stay below 2^24 over CHUNK texels, so that they are exact: see
 // quilt_search, whose positions, groups and results these are. A workgroup first lists the chunks of the block that
@@ -98,8 +101,9 @@ vec4 load_sample(int x, int y) {
 
 #define BLOCK_TEXEL(i) vec4 b##i = target(block, dx + i, dy, constant);
 #define SAMPLE_TEXEL(k) vec4 a##k = load_sample(sx + dx + k, sy + dy);
-#define POSITION(total, p0, p1, p2, p3, p4, p5)                                                                        \
-    total += squares + int(dot(p0, b0) + dot(p1, b1) + dot(p2, b2) + dot(p3, b3) + dot(p4, b4) + dot(p5, b5));
+#define POSITION(total, energy, p0, p1, p2, p3, p4, p5)                                                                \
+    total += squares + int(dot(p0, b0) + dot(p1, b1) + dot(p2, b2) + dot(p3, b3) + dot(p4, b4) + dot(p5, b5));          \
+    energy += WITH_PREVIOUS ? 0 : int(p0.w * b0.w + p1.w * b1.w + p2.w * b2.w + p3.w * b3.w + p4.w * b4.w + p5.w * b5.w);
 
 void main() {
     uint lane = gl_LocalInvocationID.x;
@@ -148,6 +152,8 @@ void main() {
     uint chunk_count = count;
 
     int t0 = 0, t1 = 0, t2 = 0, t3 = 0, t4 = 0, t5 = 0, t6 = 0, t7 = 0;
+    int e0 = 0, e1 = 0, e2 = 0, e3 = 0, e4 = 0, e5 = 0, e6 = 0, e7 = 0;
+    int around = 0;
     for (uint i = 0; i < chunk_count; i++) {
         int dx = int(chunks[i] & 0xffffu);
         int dy = int(chunks[i] >> 16);
@@ -157,20 +163,23 @@ void main() {
         SAMPLE_TEXEL(6) SAMPLE_TEXEL(7) SAMPLE_TEXEL(8) SAMPLE_TEXEL(9) SAMPLE_TEXEL(10) SAMPLE_TEXEL(11)
         SAMPLE_TEXEL(12)
         int squares = int(constant);
-        POSITION(t0, a0, a1, a2, a3, a4, a5)
-        POSITION(t1, a1, a2, a3, a4, a5, a6)
-        POSITION(t2, a2, a3, a4, a5, a6, a7)
-        POSITION(t3, a3, a4, a5, a6, a7, a8)
-        POSITION(t4, a4, a5, a6, a7, a8, a9)
-        POSITION(t5, a5, a6, a7, a8, a9, a10)
-        POSITION(t6, a6, a7, a8, a9, a10, a11)
-        POSITION(t7, a7, a8, a9, a10, a11, a12)
+        around += squares;
+        POSITION(t0, e0, a0, a1, a2, a3, a4, a5)
+        POSITION(t1, e1, a1, a2, a3, a4, a5, a6)
+        POSITION(t2, e2, a2, a3, a4, a5, a6, a7)
+        POSITION(t3, e3, a3, a4, a5, a6, a7, a8)
+        POSITION(t4, e4, a4, a5, a6, a7, a8, a9)
+        POSITION(t5, e5, a5, a6, a7, a8, a9, a10)
+        POSITION(t6, e6, a6, a7, a8, a9, a10, a11)
+        POSITION(t7, e7, a7, a8, a9, a10, a11, a12)
     }
 
     // The sums may pass 2^31, and are right as unsigned numbers.
     uint total[TILE] = uint[](uint(t0), uint(t1), uint(t2), uint(t3), uint(t4), uint(t5), uint(t6), uint(t7));
+    int energy[TILE] = int[](e0, e1, e2, e3, e4, e5, e6, e7);
     uint mine = 0xffffffffu;
     for (uint j = 0; j < TILE; j++) {
+        total[j] += WITH_PREVIOUS ? 0 : uint(max(around - energy[j], 0));
         total[j] = live && TILE * tile_x + j < columns ? total[j] : 0xffffffffu;
         mine = min(mine, total[j]);
     }

@@ -364,7 +364,7 @@ impl Sample<'_> {
     }
 
     /// The block's colours, taken from position (`sx`, `sy`), row by row.
-    fn block(&self, sx: u32, sy: u32, placement: &Placement) -> Vec<[u8; 3]> {
+    pub(super) fn block(&self, sx: u32, sy: u32, placement: &Placement) -> Vec<[u8; 3]> {
         offsets(placement).map(|(dx, dy)| self.rgb(sx + dx, sy + dy)).collect()
     }
 

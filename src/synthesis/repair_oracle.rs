@@ -109,7 +109,8 @@ pub fn repair_oracle(input: &OracleRepair, frame: u32) -> Result<Repaired> {
         }
         let allowed = [window.0, 0, window.1, sample_size.1 - params.block_px];
         let (first_row, row_step) = compared_rows(input, frame);
-        let error = |at| sample.error(&old, placement, at);
+        let error =
+            |at| sample.error(&old, placement, at) + missing_contrast(&old, &sample.block(at.0, at.1, placement));
         let hash = block_hash(params.seed, index as u32, frame);
         let choice = choose(positions(allowed, first_row, row_step), error, params.tolerance_e4(), hash);
         let active = active_sides(&layout, placement, false, &placed);
@@ -184,6 +185,15 @@ fn compared_rows(input: &OracleRepair, frame: u32) -> (u32, u32) {
     let columns = all(input.sample_size.0).min(input.guide.window_px.saturating_mul(2).saturating_add(1));
     let row_step = (rows * columns / POSITIONS).clamp(1, rows);
     (frame % row_step, row_step)
+}
+
+/// What a block lacks of the contrast of the colours under it, where there are any: by how much their squared differences
+/// from the middle grey, 128, add up to more than its own.
+fn missing_contrast(under: &[Option<[u8; 3]>], block: &[[u8; 3]]) -> u32 {
+    let contrast = |color: [u8; 3]| color.map(|value| u32::from(value.abs_diff(128)).pow(2)).iter().sum::<u32>();
+    let pairs = under.iter().zip(block).filter_map(|(under, own)| Some(((*under)?, *own)));
+    let (around, own) = pairs.fold((0, 0), |(a, b), (under, own)| (a + contrast(under), b + contrast(own)));
+    around.saturating_sub(own)
 }
 
 /// Whether any placed neighbour reaches to the block's pixel, by fields: overlaps cut a block into three by three of
