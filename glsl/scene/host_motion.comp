@@ -1,9 +1,10 @@
 #version 450
 // A host's own motion vectors as words of motion, and whether the previous frame showed the surface (thesis 9.3).
 // In:  the host's vectors (the first two channels); ID and depth now and then.
-// Out: words as those of motion.comp: two times 15 bits, x low, each 16,384 + 64 times the pixels of the way to the place
-//      then, and the highest bit where that frame showed it: the same object, at nearly the same distance along the view
-//      axis. Where nothing is now, or the way is longer or no number, the 0 that the image was cleared to stays.
+// Out: words as those of motion.comp: two times 15 bits, x low, each 16,384 + 64 times the pixels of the way to the
+//      place then, and the highest bit where that frame showed it: the same object, at nearly the same distance along
+//      the view axis. Where nothing is now, or the way is longer or no number, the 0 that the image was cleared to
+//      stays.
 
 layout(local_size_x = 16, local_size_y = 8) in;
 

@@ -50,8 +50,9 @@ impl GuideImages {
     /// - `shade`: R32_SFLOAT, made for STORAGE; 0 dark to 1 light.
     /// - `id`: R32_UINT, made for STORAGE, and for TRANSFER_SRC where motion is followed; object index + 1, at most
     ///   `object_count`, and 0 in the background.
-    /// - `depth`: D32_SFLOAT or X8_D24_UNORM_PACK32, made for DEPTH_STENCIL_ATTACHMENT, and for SAMPLED and TRANSFER_SRC
-    ///   where motion is followed; 0 near to 1 far, and 1 exactly where `id` is 0. A reversed depth must be turned first.
+    /// - `depth`: D32_SFLOAT or X8_D24_UNORM_PACK32, made for DEPTH_STENCIL_ATTACHMENT, and for SAMPLED and
+    ///   TRANSFER_SRC where motion is followed; 0 near to 1 far, and 1 exactly where `id` is 0. A reversed depth must
+    ///   be turned first.
     ///
     /// # Errors
     /// [`Error::Parameter`] for another format, use or size, or a number of objects out of range.

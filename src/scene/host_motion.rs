@@ -1,9 +1,9 @@
-//! A host's own motion vectors as the words that techniques read: an engine knows how its surfaces move, also those that
-//! are no rigid objects, and has an image of it.
+//! A host's own motion vectors as the words that techniques read: an engine knows how its surfaces move, also those
+//! that are no rigid objects, and has an image of it.
 //!
-//! It takes the place of [`super::MotionPass`] after the host has drawn its guides and vectors. Vectors say where a surface
-//! was, not whether the previous frame showed it: that is decided by the ID and the depth at the place then. Its oracle is
-//! in its test.
+//! It takes the place of [`super::MotionPass`] after the host has drawn its guides and vectors. Vectors say where a
+//! surface was, not whether the previous frame showed it: that is decided by the ID and the depth at the place then.
+//! Its oracle is in its test.
 
 use super::last_guides::LastGuides;
 use super::{Camera, GuideImages};
@@ -39,9 +39,10 @@ struct Push {
 /// How a host's motion vectors are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HostMotionParams {
-    /// What a vector is multiplied by, in x and y, to be the way from a pixel to its surface's place in the previous frame,
-    /// in pixels to the right and down. For vectors in normalised device coordinates that is half of the picture's width and
-    /// height; for vectors that point from the previous place to this one it is negative, and for y that points up once more.
+    /// What a vector is multiplied by, in x and y, to be the way from a pixel to its surface's place in the previous
+    /// frame, in pixels to the right and down. For vectors in normalised device coordinates that is half of the
+    /// picture's width and height. Vectors that point from the previous place to this one change both signs, and a y
+    /// that points up changes its own.
     pub scale: [f32; 2],
     /// How much the distance along the view axis may change from one frame to the next, 0 to 1 of the distance now. A
     /// surface that comes nearer or goes away faster than that, by its own motion or the camera's, counts as hidden; a
@@ -82,12 +83,12 @@ pub struct HostMotion {
 }
 
 impl HostMotion {
-    /// Prepares to read `vectors`: R16G16_SFLOAT, R32G32_SFLOAT or R16G16B16A16_SFLOAT (the first two channels), made for
-    /// SAMPLED, of the size of `guides`.
+    /// Prepares to read `vectors`: R16G16_SFLOAT, R32G32_SFLOAT or R16G16B16A16_SFLOAT (the first two channels), made
+    /// for SAMPLED, of the size of `guides`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for parameters out of range, vectors of another format, use or size, or guides that cannot be
-    /// sampled or copied from (see [`GuideImages::new`]); [`Error::Memory`] when the budget does not allow it,
+    /// [`Error::Parameter`] for parameters out of range, vectors of another format, use or size, or guides that cannot
+    /// be sampled or copied from (see [`GuideImages::new`]); [`Error::Memory`] when the budget does not allow it,
     /// [`Error::Vulkan`] when a call fails.
     pub fn new(
         context: &Context,
@@ -119,9 +120,9 @@ impl HostMotion {
         Ok(HostMotion { last, params: *params, motion, stage, set })
     }
 
-    /// Records the motion of a frame that the host has drawn with `now`, and keeps the frame for the next. `previous` is the
-    /// camera of the frame that was kept last; with `None` nothing has been shown before. Only the cameras' near and far
-    /// planes are looked at (see [`Camera::with_planes`]).
+    /// Records the motion of a frame that the host has drawn with `now`, and keeps the frame for the next. `previous`
+    /// is the camera of the frame that was kept last; with `None` nothing has been shown before. Only the cameras' near
+    /// and far planes are looked at (see [`Camera::with_planes`]).
     pub fn record(&self, recorder: &mut Recorder<'_>, previous: Option<&Camera>, now: &Camera) {
         let [width, height, _] = self.motion.size_px();
         recorder.clear_images("host_motion_clear", &[&self.motion]);
