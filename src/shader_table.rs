@@ -17,6 +17,7 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
         ("synthesis/tile_mask.comp", tile_mask::TILE_MASK),
         ("synthesis/volume_slice.comp", volume::VOLUME_SLICE),
         ("scene/motion.comp", scene::MOTION),
+        ("scene/host_motion.comp", scene::HOST_MOTION),
         ("metric/feature_bins.comp", metric::FEATURE_BINS),
         ("metric/features.comp", metric::FEATURES),
         ("metric/feature_distance.comp", metric::FEATURE_DISTANCE),

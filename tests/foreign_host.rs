@@ -11,12 +11,17 @@ use impasto::gpu::{
     Buffer, BufferKind, Context, HostDevice, Image, ImageDesc, Recorder, ResourceState, Runner, Uploads,
 };
 use impasto::paint::{TextureDifference, Trajectory};
-use impasto::scene::{Camera, Framing, GuidePass, Lights, Mesh, MeshOptions, Moment, MotionPass, Pose, Vec3};
+use impasto::scene::{
+    Camera, Framing, GuideImages, GuidePass, HostMotion, HostMotionParams, Lights, Mesh, MeshOptions, Moment,
+    MotionPass, Pose, Vec3,
+};
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::{Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
+use impasto::synthesis::repair::RepairParams;
 use impasto::technique::aligned::{AlignedFrame, AlignedTechnique, LevelParams, LevelSource, LevelVolume};
 use impasto::technique::dependent::{DependentParams, DependentTechnique, View, ViewCoverage};
+use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::object::{ObjectParams, ObjectTechnique};
 use impasto::technique::{Paint, ShadeRange, Show};
 
@@ -95,17 +100,20 @@ fn recorder(context: &Context, commands: vk::CommandBuffer) -> Recorder<'_> {
     unsafe { Recorder::new(context, commands, None) }
 }
 
-/// The host's image as the library sees it: just copied to.
-fn wrapped(context: &Context, image: &HostImage) -> Image {
-    let state = ResourceState::from_host(
+/// How [`Host::write_image`] leaves an image.
+fn written() -> ResourceState {
+    ResourceState::from_host(
         vk::PipelineStageFlags::TRANSFER,
         vk::AccessFlags::TRANSFER_WRITE,
         vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-    );
-    let desc =
-        ImageDesc { size_px: [image.size.0, image.size.1, 1], format: vk::Format::R32_UINT, usage: host::usage() };
+    )
+}
+
+/// The host's image as the library sees it: just written.
+fn wrapped(context: &Context, image: &HostImage) -> Image {
+    let desc = ImageDesc { size_px: [image.size.0, image.size.1, 1], format: image.format, usage: image.usage };
     // SAFETY: the host's image outlives the context, and was left in this state.
-    unsafe { Image::from_host(context, image.image, image.view, &desc, state) }
+    unsafe { Image::from_host(context, image.image, image.view, &desc, written()) }
 }
 
 fn assert_silent(messages: &[String]) {
@@ -150,7 +158,8 @@ fn a_foreign_host_guides_with_an_image_of_its_own() {
     assert!(guided.chunks(4).any(|p| p[3] == 0) && guided.chunks(4).any(|p| p[3] == 255));
     assert!(by_runner(true) == guided, "the runner's canvas is not the oracle's");
     for device in [host.lent(), host.lent_raw()] {
-        let guide = host.image(&texels, OUTPUT);
+        let guide = host.image(vk::Format::R32_UINT, host::usage(), OUTPUT);
+        host.write_image(&guide, bytemuck::cast_slice(&texels));
         assert!(by_host(&host, device, Some(&guide)) == guided, "the host's canvas is not the oracle's");
         // The context is gone; the host's image is still there, in the layout that reading shaders want.
         let left = host.read_image(guide.image, vk::ImageLayout::GENERAL, OUTPUT);
@@ -407,6 +416,164 @@ fn the_real_time_techniques_give_the_same_bytes_and_only_record() {
         assert!(&host.read_image(frame.handle(), frame.layout(), OUTPUT) == expected);
     }
     drop((lent, context));
+    assert_silent(&host.destroy());
+}
+
+/// A board whose normals are those of a ball, so that it has all shades, moved by a few pixels from frame to frame.
+struct Board {
+    mesh: Mesh,
+    moments: [Moment; 3],
+    texture: TextureDifference,
+    trajectory: Trajectory,
+}
+
+impl Board {
+    fn new() -> Self {
+        let text = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n\
+                    vn -0.7 -0.7 0.5\nvn 0.7 -0.7 0.5\nvn 0.7 0.7 0.5\nvn -0.7 0.7 0.5\n\
+                    f 1//1 2//2 3//3 4//4\n";
+        let mesh = Mesh::parse(text.as_bytes(), "board.obj", &MeshOptions::default()).expect("a mesh").mesh;
+        let camera = Camera::look_at(5.0 * Vec3::Z, Vec3::ZERO, None, 30.0).expect("a camera");
+        let moment = |way: Vec3| {
+            let pose = Pose::new(0.0, Vec3::Y, Vec3::ZERO, way).expect("a pose");
+            Moment { poses: vec![pose], ..Moment::at_rest(camera, Lights::default()) }.fit_depth(&mesh)
+        };
+        // A unit is 26 pixels.
+        let moments = [Vec3::ZERO, Vec3::new(0.2, 0.1, 0.0), Vec3::new(0.33, -0.1, 0.0)].map(moment);
+        let pixels = noise(96, 64, 4).iter().map(|p| [0, 1, 2].map(|k| f32::from(p[k]) / 255.0 - 0.5)).collect();
+        let texture = TextureDifference::from_pixels(96, 64, pixels).expect("a difference");
+        let trajectory = Trajectory::from_colors(vec![[0.1, 0.2, 0.3], [0.9, 0.8, 0.6]]).expect("a trajectory");
+        Board { mesh, moments, texture, trajectory }
+    }
+
+    /// Image-based painting that is carried by `motion`.
+    fn technique(
+        &self,
+        context: &Context,
+        uploads: &mut Uploads,
+        guides: GuideImages,
+        motion: &Image,
+    ) -> ImageTechnique {
+        let stages = QuiltStages::new(context).expect("stages");
+        let paints = [Paint { texture: &self.texture, trajectory: &self.trajectory }];
+        let params = ImageParams { quilt: PARAMS, ..ImageParams::default() };
+        let technique = ImageTechnique::new(context, uploads, &stages, &guides, &paints, &[0], &params);
+        let mut technique = technique.expect("a technique");
+        technique.carry(context, uploads, &guides, &paints, motion, &RepairParams::default()).expect("carrying");
+        technique
+    }
+}
+
+/// The first frame of a sequence by itself, and the others from the one before.
+fn record_carried(technique: &ImageTechnique, recorder: &mut Recorder<'_>, frame: u32) {
+    match frame {
+        0 => technique.record(recorder, PARAMS.seed, frame),
+        _ => technique.record_next(recorder, PARAMS.seed, frame),
+    }
+}
+
+/// The bytes of a frame's images.
+struct Content {
+    shade: Vec<u8>,
+    id: Vec<u8>,
+    depth: Vec<u8>,
+    motion: Vec<u8>,
+    frame: Vec<u8>,
+}
+
+impl Content {
+    fn words(&self) -> Vec<u32> {
+        bytemuck::pod_collect_to_vec(&self.motion)
+    }
+
+    /// Motion as engines have it: R32G32_SFLOAT, here in pixels from the previous place to this, y up.
+    fn vectors(&self) -> Vec<u8> {
+        let way = |word: u32, low: u32| ((word >> low & 0x7fff) as f32 - 16_384.0) / 64.0;
+        let vector = |word: u32| if word == 0 { [0.0; 2] } else { [-way(word, 0), way(word, 15)] };
+        bytemuck::cast_slice(self.words().into_iter().map(vector).collect::<Vec<_>>().as_flattened()).to_vec()
+    }
+}
+
+/// The sequence over our own passes.
+fn carried_by_runner(board: &Board) -> Vec<Content> {
+    let gpu = Validated::new();
+    let (context, mut runner, mut uploads) = (&gpu.context, gpu.runner(), Uploads::default());
+    let guides = GuidePass::new(context, &mut uploads, &board.mesh, OUTPUT).expect("guides");
+    let motion = MotionPass::new(context, &guides).expect("motion");
+    let technique = board.technique(context, &mut uploads, (&guides).into(), motion.motion());
+    let mut previous = None;
+    let frames = (0..).zip(&board.moments).map(|(frame, moment)| {
+        let drawn = runner.run(|recorder| {
+            uploads.record(recorder);
+            guides.record(recorder, moment)?;
+            motion.record(recorder, previous.replace(moment), moment)?;
+            record_carried(&technique, recorder, frame);
+            Ok(())
+        });
+        drawn.expect("run");
+        let images = [guides.shade(), guides.id(), guides.depth(), motion.motion(), technique.frame()];
+        let [shade, id, depth, motion, frame] = images.map(|image| runner.read_image(image).expect("an image"));
+        Content { shade, id, depth, motion, frame }
+    });
+    frames.collect()
+}
+
+#[test]
+fn a_foreign_host_carries_texture_over_its_own_guides_and_motion() {
+    use vk::{Format as F, ImageUsageFlags as U};
+    let board = Board::new();
+    let expected = carried_by_runner(&board);
+    let shown = |content: &Content| content.words().iter().filter(|&&word| word >> 31 == 1).count();
+    assert_eq!(shown(&expected[0]), 0);
+    assert!(expected[1..].iter().all(|content| shown(content) > 1000), "hardly anything is carried");
+    assert!(expected.iter().all(|content| content.frame.chunks(4).filter(|pixel| pixel[3] == 255).count() > 2000));
+
+    let host = Host::new();
+    for by_words in [true, false] {
+        let context = borrow(host.lent());
+        let shade = host.image(F::R32_SFLOAT, U::STORAGE | U::TRANSFER_DST, OUTPUT);
+        let id = host.image(F::R32_UINT, host::usage(), OUTPUT);
+        let depth_usage = U::DEPTH_STENCIL_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let depth = host.image(F::D32_SFLOAT, depth_usage, OUTPUT);
+        let words = host.image(F::R32_UINT, host::usage(), OUTPUT);
+        let vectors = host.image(F::R32G32_SFLOAT, U::SAMPLED | U::TRANSFER_DST, OUTPUT);
+        let images = [&shade, &id, &depth, &words, &vectors];
+        let lent = images.map(|image| wrapped(&context, image));
+        let guides = GuideImages::new(&lent[0], &lent[1], &lent[2], 1).expect("guides");
+        let params = HostMotionParams { scale: [-1.0, 1.0], ..HostMotionParams::default() };
+        let motion = HostMotion::new(&context, &guides, &lent[4], &params).expect("motion");
+        let mut uploads = Uploads::default();
+        let carried_by = if by_words { &lent[3] } else { motion.motion() };
+        let technique = board.technique(&context, &mut uploads, guides, carried_by);
+        host.run(|commands| uploads.record(&mut recorder(&context, commands)));
+        // What was staged goes here.
+        context.advance(2, 1);
+        let mut previous = None;
+        for (frame, (moment, content)) in (0..).zip(board.moments.iter().zip(&expected)) {
+            let vectors = content.vectors();
+            let drawn = [&content.shade, &content.id, &content.depth, &content.motion, &vectors];
+            for ((to, lent), bytes) in images.into_iter().zip(&lent).zip(drawn) {
+                host.write_image(to, bytes);
+                // SAFETY: so the host has left it.
+                unsafe { lent.set_state(written()) };
+            }
+            let commands = host.begin();
+            calls::take();
+            let mut recorder = recorder(&context, commands);
+            motion.record(&mut recorder, previous.replace(&moment.camera), &moment.camera);
+            record_carried(&technique, &mut recorder, frame);
+            let recorded = calls::take();
+            host.end(commands);
+            host.submit(&[commands]);
+            host.wait();
+            assert_eq!(recorded.keys().copied().collect::<Vec<_>>(), ["vkCmdDispatch"], "frame {frame}: {recorded:?}");
+            let read = |image: &Image| host.read_image(image.handle(), image.layout(), OUTPUT);
+            assert!(read(motion.motion()) == content.motion, "frame {frame}: the words of the host's vectors");
+            assert!(read(technique.frame()) == content.frame, "frame {frame}, by words: {by_words}");
+        }
+        drop((technique, motion, lent, uploads, context));
+        [shade, id, depth, words, vectors].into_iter().for_each(|image| host.destroy_image(image));
+    }
     assert_silent(&host.destroy());
 }
 

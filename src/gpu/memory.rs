@@ -329,11 +329,52 @@ impl Image {
         *self.state() = state;
     }
 
+    /// Checks that the image, which a caller brought as `name`, is of one of these formats and made for this use.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] that tells what it is and what it must be.
+    pub(crate) fn check(&self, name: &'static str, formats: &[vk::Format], usage: vk::ImageUsageFlags) -> Result<()> {
+        let format = self.format();
+        if !formats.contains(&format) {
+            let allowed: Vec<String> = formats.iter().map(|format| format!("{format:?}")).collect();
+            return Err(Error::parameter(name, format!("{format:?}"), allowed.join(" or ")));
+        }
+        self.check_usage(name, usage)
+    }
+
+    /// Checks that the image, which a caller brought as `name`, was made for this use.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] that tells what it was made for and what it must be.
+    pub(crate) fn check_usage(&self, name: &'static str, usage: vk::ImageUsageFlags) -> Result<()> {
+        let made_for = self.0.desc.usage;
+        if !made_for.contains(usage) {
+            return Err(Error::parameter(name, format!("made for {made_for:?}"), format!("made for {usage:?}")));
+        }
+        Ok(())
+    }
+
+    /// Checks that the image, which a caller brought as `name`, has this size.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] that tells both sizes.
+    pub(crate) fn check_size(&self, name: &'static str, size_px: [u32; 3]) -> Result<()> {
+        if self.size_px() != size_px {
+            let shown = |[width, height, depth]: [u32; 3]| match depth {
+                1 => format!("{width}x{height}"),
+                _ => format!("{width}x{height}x{depth}"),
+            };
+            return Err(Error::parameter(name, shown(self.size_px()), shown(size_px)));
+        }
+        Ok(())
+    }
+
     /// Bytes of a texel, or 0 for formats that are neither uploaded nor read back.
     pub(crate) fn texel_bytes(&self) -> u64 {
         match self.0.desc.format {
             vk::Format::R8G8B8A8_UNORM | vk::Format::R32_UINT | vk::Format::R32_SFLOAT | vk::Format::D32_SFLOAT => 4,
-            vk::Format::R16G16B16A16_UINT => 8,
+            vk::Format::R16G16_SFLOAT => 4,
+            vk::Format::R16G16B16A16_UINT | vk::Format::R16G16B16A16_SFLOAT | vk::Format::R32G32_SFLOAT => 8,
             vk::Format::R32G32B32A32_SFLOAT | vk::Format::R32G32B32A32_UINT => 16,
             _ => 0,
         }

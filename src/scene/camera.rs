@@ -97,6 +97,21 @@ impl Camera {
         self
     }
 
+    /// The same camera with these near and far planes, for a host that knows the ones it draws with.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] unless 0 < near < far, both finite.
+    pub fn with_planes(self, near: f32, far: f32) -> Result<Self> {
+        if !(near > 0.0 && near < far && far.is_finite()) {
+            return Err(Error::parameter(
+                "planes",
+                format!("{near} and {far}"),
+                "above 0, finite, and far beyond near",
+            ));
+        }
+        Ok(Self { near, far, ..self })
+    }
+
     /// The same camera, moved around what it looks at by `degrees`, counter-clockwise about `axis`: with +y, as a
     /// turntable does it. Near and far planes stay.
     ///

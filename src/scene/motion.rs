@@ -6,11 +6,12 @@
 //! had the same object at that place, and nearly the same point. The oracle is [`crate::metric::Motion::between`], from
 //! now to then.
 
-use super::{GuidePass, Moment, ObjectRows};
+use super::last_guides::LastGuides;
+use super::{GuideImages, Moment, ObjectRows};
 use crate::gpu::{
     Access, BindingKind, BindingSet, ComputePipeline, Context, Image, ImageDesc, Recorder, Sampler, Shader,
 };
-use crate::{Error, Result};
+use crate::Result;
 use ash::vk;
 use glam::{DMat4, DVec4};
 
@@ -44,9 +45,7 @@ const SAME_PX: f64 = 3.0;
 
 /// Motion from frame to frame, and what the next frame needs of this one.
 pub struct MotionPass {
-    /// ID and depth, now and then.
-    now: [Image; 2],
-    then: [Image; 2],
+    last: LastGuides,
     objects: ObjectRows<3>,
     motion: Image,
     stage: ComputePipeline,
@@ -54,62 +53,37 @@ pub struct MotionPass {
 }
 
 impl MotionPass {
-    /// Prepares to follow what `guides` draws.
+    /// Prepares to follow what `guides` draws, or what a host draws to its [`GuideImages`].
     ///
     /// # Errors
-    /// [`Error::Memory`] when the budget does not allow it, [`Error::Vulkan`] when a call fails.
-    pub fn new(context: &Context, guides: &GuidePass) -> Result<Self> {
-        Self::from_images(context, guides.id(), guides.depth(), guides.object_count())
-    }
-
-    /// As [`MotionPass::new`], for images of one's own, as [`GuidePass`] has them, of a scene of `object_count`
-    /// objects: object index + 1, R32_UINT, made to be a storage image, and depth, D32_SFLOAT or X8_D24_UNORM_PACK32,
-    /// made to be sampled; both to be copied from.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for other formats or images of different sizes; those of [`MotionPass::new`].
-    pub fn from_images(context: &Context, id: &Image, depth: &Image, object_count: usize) -> Result<Self> {
-        if id.format() != vk::Format::R32_UINT {
-            return Err(Error::parameter("format of the ID", format!("{:?}", id.format()), "R32_UINT"));
-        }
-        if !matches!(depth.format(), vk::Format::D32_SFLOAT | vk::Format::X8_D24_UNORM_PACK32) {
-            let allowed = "D32_SFLOAT or X8_D24_UNORM_PACK32";
-            return Err(Error::parameter("format of the depth", format!("{:?}", depth.format()), allowed));
-        }
-        let size_px = id.size_px();
-        if depth.size_px() != size_px {
-            return Err(Error::parameter(
-                "size of the depth",
-                format!("{:?}", depth.size_px()),
-                format!("{size_px:?}"),
-            ));
-        }
-        let [width, height, _] = size_px;
-        let words = ImageDesc::storage_2d(width, height, vk::Format::R32_UINT);
-        let motion = Image::new(context, "motion", &words)?;
-        let id_then = Image::new(context, "previous id", &words)?;
-        let depth_then = Image::new(context, "previous depth", &ImageDesc::sampled(size_px, depth.format()))?;
-        let objects = ObjectRows::new(context, "motion_objects", object_count)?;
+    /// [`crate::Error::Parameter`] for images that cannot be sampled or copied from (see [`GuideImages::new`]),
+    /// [`crate::Error::Memory`] when the budget does not allow it, [`crate::Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context, guides: impl Into<GuideImages>) -> Result<Self> {
+        let guides = guides.into();
+        let last = LastGuides::new(context, &guides)?;
+        let [width, height, _] = guides.id().size_px();
+        let motion = Image::new(context, "motion", &ImageDesc::storage_2d(width, height, vk::Format::R32_UINT))?;
+        let objects = ObjectRows::new(context, "motion_objects", guides.object_count())?;
         let sampler = Sampler::nearest(context)?;
         let stage = ComputePipeline::new(context, &MOTION)?;
+        let ([id, depth], [id_then, depth_then]) = (last.now(), last.then());
         let bound = [
             id.into(),
             (depth, &sampler).into(),
-            (&id_then).into(),
-            (&depth_then, &sampler).into(),
+            id_then.into(),
+            (depth_then, &sampler).into(),
             objects.image().into(),
             (&motion).into(),
         ];
         let set = BindingSet::new(context, &stage, &bound)?;
-        let (now, then) = ([id.clone(), depth.clone()], [id_then, depth_then]);
-        Ok(MotionPass { now, then, objects, motion, stage, set })
+        Ok(MotionPass { last, objects, motion, stage, set })
     }
 
     /// Records the motion of a frame that was drawn at `now`, and keeps the frame for the next. `previous` is the
     /// moment of the frame that was kept last; with `None` nothing has been shown before.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when a camera has no projection for this picture's shape; nothing is recorded then.
+    /// [`crate::Error::Parameter`] when a camera has no projection for this picture's shape; nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, previous: Option<&Moment>, now: &Moment) -> Result<()> {
         let [width, height, _] = self.motion.size_px();
         let frames = previous.map(|then| Frames::new(then, now, [width, height])).transpose()?;
@@ -118,8 +92,7 @@ impl MotionPass {
             self.objects.record(recorder, |object| frames.rows(object));
             recorder.dispatch(&self.stage, &self.set, &frames.push(), [width.div_ceil(16), height.div_ceil(8), 1]);
         }
-        let [id, depth] = [0, 1].map(|i| (&self.now[i], &self.then[i]));
-        recorder.copy_images("motion_keep", &[id, depth]);
+        self.last.record(recorder, "motion_keep");
         Ok(())
     }
 

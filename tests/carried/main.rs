@@ -454,6 +454,9 @@ fn wrong_use_of_carrying_is_told() {
     };
     let fine = RepairParams::default();
     assert!(refused(&pass, &paints, &narrow, fine).contains("motion is 39x30, but must be 40x30"));
+    let floats = ImageDesc::storage_2d(40, 30, ash::vk::Format::R32_SFLOAT);
+    let floats = Image::new(&gpu.context, "motion", &floats).expect("a picture");
+    assert!(refused(&pass, &paints, &floats, fine).contains("motion is R32_SFLOAT, but must be R32_UINT"));
     assert!(refused(&other_pass, &paints, &motion, fine).contains("guides is 41x30, but must be 40x30"));
     assert!(refused(&pass, &[], &motion, fine).contains("paints is 0, but must be the 1 of the technique"));
     for stretch in [1.04, 1.51, 0.0, f32::NAN] {

@@ -45,6 +45,8 @@ pub struct HostImage {
     pub image: vk::Image,
     pub view: vk::ImageView,
     pub memory: vk::DeviceMemory,
+    pub format: vk::Format,
+    pub usage: vk::ImageUsageFlags,
     pub size: (u32, u32),
 }
 
@@ -234,10 +236,9 @@ impl Host {
         }
     }
 
-    /// An R32_UINT image that holds `texels` and was left in the layout of a copy's destination.
-    pub fn image(&self, texels: &[u32], size: (u32, u32)) -> HostImage {
-        let format = vk::Format::R32_UINT;
-        let (image, view, memory) = unsafe {
+    /// An image that nothing was written to.
+    pub fn image(&self, format: vk::Format, usage: vk::ImageUsageFlags, size: (u32, u32)) -> HostImage {
+        unsafe {
             let info = vk::ImageCreateInfo::default()
                 .image_type(vk::ImageType::TYPE_2D)
                 .format(format)
@@ -245,7 +246,7 @@ impl Host {
                 .mip_levels(1)
                 .array_layers(1)
                 .samples(vk::SampleCountFlags::TYPE_1)
-                .usage(usage());
+                .usage(usage);
             let image = self.device.create_image(&info, None).expect("an image");
             let memory =
                 self.memory(self.device.get_image_memory_requirements(image), vk::MemoryPropertyFlags::empty());
@@ -254,19 +255,23 @@ impl Host {
                 .image(image)
                 .view_type(vk::ImageViewType::TYPE_2D)
                 .format(format)
-                .subresource_range(whole());
-            (image, self.device.create_image_view(&info, None).expect("a view"), memory)
-        };
-        let staging = self.buffer(texels.len() as u64 * 4, vk::BufferUsageFlags::TRANSFER_SRC);
-        self.map(&staging, |bytes| bytes.copy_from_slice(bytemuck::cast_slice(texels)));
-        let to = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+                .subresource_range(whole(aspect(format)));
+            let view = self.device.create_image_view(&info, None).expect("a view");
+            HostImage { image, view, memory, format, usage, size }
+        }
+    }
+
+    /// Writes all texels, wherever the image lay; it is left in the layout of a copy's destination.
+    pub fn write_image(&self, to: &HostImage, texels: &[u8]) {
+        let staging = self.buffer(texels.len() as u64, vk::BufferUsageFlags::TRANSFER_SRC);
+        self.map(&staging, |bytes| bytes.copy_from_slice(texels));
+        let (layout, aspect) = (vk::ImageLayout::TRANSFER_DST_OPTIMAL, aspect(to.format));
         self.run(|commands| {
-            self.barrier(commands, image, vk::ImageLayout::UNDEFINED, to);
-            let region = [region(size)];
-            unsafe { self.device.cmd_copy_buffer_to_image(commands, staging.buffer, image, to, &region) };
+            self.barrier(commands, to.image, aspect, [vk::ImageLayout::UNDEFINED, layout]);
+            let region = [region(to.size, aspect)];
+            unsafe { self.device.cmd_copy_buffer_to_image(commands, staging.buffer, to.image, layout, &region) };
         });
         self.destroy_buffer(staging);
-        HostImage { image, view, memory, size }
     }
 
     pub fn destroy_image(&self, image: HostImage) {
@@ -278,7 +283,13 @@ impl Host {
     }
 
     /// Waits for everything before it, and makes all of it visible to everything after it.
-    fn barrier(&self, commands: vk::CommandBuffer, image: vk::Image, from: vk::ImageLayout, to: vk::ImageLayout) {
+    fn barrier(
+        &self,
+        commands: vk::CommandBuffer,
+        image: vk::Image,
+        aspect: vk::ImageAspectFlags,
+        [from, to]: [vk::ImageLayout; 2],
+    ) {
         let all = vk::PipelineStageFlags::ALL_COMMANDS;
         let access = vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE;
         let barrier = [vk::ImageMemoryBarrier::default()
@@ -289,7 +300,7 @@ impl Host {
             .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
             .image(image)
-            .subresource_range(whole())];
+            .subresource_range(whole(aspect))];
         let none = vk::DependencyFlags::empty();
         unsafe { self.device.cmd_pipeline_barrier(commands, all, all, none, &[], &[], &barrier) };
     }
@@ -309,12 +320,12 @@ impl Host {
     /// The texels (four bytes each) of a colour image that lies in `layout`, and is left in it.
     pub fn read_image(&self, image: vk::Image, layout: vk::ImageLayout, size: (u32, u32)) -> Vec<u8> {
         let buffer = self.buffer(u64::from(size.0 * size.1) * 4, vk::BufferUsageFlags::TRANSFER_DST);
-        let from = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        let (from, color) = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageAspectFlags::COLOR);
         self.run(|commands| {
-            self.barrier(commands, image, layout, from);
-            let region = [region(size)];
+            self.barrier(commands, image, color, [layout, from]);
+            let region = [region(size, color)];
             unsafe { self.device.cmd_copy_image_to_buffer(commands, image, from, buffer.buffer, &region) };
-            self.barrier(commands, image, from, layout);
+            self.barrier(commands, image, color, [from, layout]);
         });
         let bytes = self.map(&buffer, |bytes| bytes.to_vec());
         self.destroy_buffer(buffer);
@@ -341,13 +352,19 @@ pub fn usage() -> vk::ImageUsageFlags {
     vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST
 }
 
-fn whole() -> vk::ImageSubresourceRange {
-    let aspect_mask = vk::ImageAspectFlags::COLOR;
+fn aspect(format: vk::Format) -> vk::ImageAspectFlags {
+    if format == vk::Format::D32_SFLOAT {
+        vk::ImageAspectFlags::DEPTH
+    } else {
+        vk::ImageAspectFlags::COLOR
+    }
+}
+
+fn whole(aspect_mask: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
     vk::ImageSubresourceRange { aspect_mask, level_count: 1, layer_count: 1, ..Default::default() }
 }
 
-fn region(size: (u32, u32)) -> vk::BufferImageCopy {
-    let aspect_mask = vk::ImageAspectFlags::COLOR;
+fn region(size: (u32, u32), aspect_mask: vk::ImageAspectFlags) -> vk::BufferImageCopy {
     vk::BufferImageCopy {
         image_subresource: vk::ImageSubresourceLayers { aspect_mask, layer_count: 1, ..Default::default() },
         image_extent: vk::Extent3D { width: size.0, height: size.1, depth: 1 },

@@ -4,6 +4,7 @@
 mod camera;
 #[path = "../common/mod.rs"]
 mod common;
+mod host_motion;
 mod light;
 mod mesh;
 mod motion;

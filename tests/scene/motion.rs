@@ -3,21 +3,23 @@
 use super::common::Validated;
 use impasto::gpu::{Image, ImageDesc, Runner, Uploads};
 use impasto::metric::Motion;
-use impasto::scene::{Camera, Framing, Guide, GuideOracle, GuidePass, Lights, Mesh, Moment, MotionPass, Pose, Vec3};
+use impasto::scene::{
+    Camera, Framing, Guide, GuideImages, GuideOracle, GuidePass, Lights, Mesh, Moment, MotionPass, Pose, Vec3,
+    MAX_OBJECTS,
+};
 
 const SIZE: (u32, u32) = (240, 180);
 const ASPECT: f32 = 240.0 / 180.0;
-/// No way at all.
 /// No motion, of what the frame before showed.
 const STILL: u32 = SHOWN | 16_384 << 15 | 16_384;
-const SHOWN: u32 = 1 << 31;
+pub(super) const SHOWN: u32 = 1 << 31;
 
-fn teapot_on_table() -> Mesh {
+pub(super) fn teapot_on_table() -> Mesh {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/teapot_on_table.obj");
     super::mesh(&std::fs::read_to_string(path).expect("the model"))
 }
 
-fn texels<T: bytemuck::AnyBitPattern + bytemuck::NoUninit>(runner: &mut Runner, image: &Image) -> Vec<T> {
+pub(super) fn texels<T: bytemuck::AnyBitPattern + bytemuck::NoUninit>(runner: &mut Runner, image: &Image) -> Vec<T> {
     bytemuck::pod_collect_to_vec(&runner.read_image(image).expect("an image"))
 }
 
@@ -84,7 +86,7 @@ fn difference(got: &[u32], want: &Motion) -> (f64, f64, i64) {
     (share(hidden), share(apart), most)
 }
 
-fn pose(degrees: f32, way: Vec3, mesh: &Mesh) -> Pose {
+pub(super) fn pose(degrees: f32, way: Vec3, mesh: &Mesh) -> Pose {
     Pose::new(degrees, Vec3::new(0.2, 1.0, 0.1), mesh.bounding_sphere().center, way).expect("a pose")
 }
 
@@ -197,13 +199,13 @@ fn a_way_that_does_not_fit_is_none() {
             .expect("run");
         let id: Vec<u32> = texels(&mut runner, guides.id());
         let words: Vec<u32> = texels(&mut runner, motion.motion());
-        let count = |words: &[u32]| words.iter().filter(|&&word| word >= SHOWN).count();
-        (count(&id), count(&words))
+        let count = |words: &[u32], least: u32| words.iter().filter(|&&word| word >= least).count();
+        (count(&id, 1), count(&words, SHOWN))
     };
-    let (there, shown) = words(17.0);
-    assert!(there > 800 && shown == there, "507 pixels: {shown} of {there}");
-    let (there, shown) = words(17.5);
-    assert!(there > 800 && shown == 0, "522 pixels: {shown} of {there}");
+    let (there, shown) = words(8.5);
+    assert!(there > 800 && shown == there, "254 pixels: {shown} of {there}");
+    let (there, shown) = words(8.75);
+    assert!(there > 800 && shown == 0, "261 pixels: {shown} of {there}");
 }
 
 #[test]
@@ -214,13 +216,32 @@ fn images_that_are_no_guides_are_refused() {
         Image::new(&gpu.context, "test", &desc).expect("an image")
     };
     use ash::vk::{Format as F, ImageUsageFlags as U};
-    let id = image(8, F::R32_UINT, U::STORAGE | U::TRANSFER_SRC);
-    let depth = |size| image(size, gpu.context.caps().depth_format, U::DEPTH_STENCIL_ATTACHMENT | U::SAMPLED);
-    let refused = |id: &Image, depth: &Image| {
-        MotionPass::from_images(&gpu.context, id, depth, 1).map(|_| ()).expect_err("refused").to_string()
+    let shade = |size| image(size, F::R32_SFLOAT, U::STORAGE);
+    let id = |usage| image(8, F::R32_UINT, usage);
+    let depth = |size, usage| image(size, gpu.context.caps().depth_format, U::DEPTH_STENCIL_ATTACHMENT | usage);
+    let kept = U::SAMPLED | U::TRANSFER_SRC;
+    let (good_id, good_depth) = (id(U::STORAGE | U::TRANSFER_SRC), depth(8, kept));
+    let refused = |shade: &Image, id: &Image, depth: &Image, objects: usize| {
+        GuideImages::new(shade, id, depth, objects).map(|_| ()).expect_err("refused").to_string()
     };
-    assert!(refused(&image(8, F::R32_SFLOAT, U::STORAGE), &depth(8)).contains("format of the ID"));
-    assert!(refused(&id, &id).contains("format of the depth"));
-    assert!(refused(&id, &depth(9)).contains("size of the depth"));
-    assert!(MotionPass::from_images(&gpu.context, &id, &depth(8), 1).is_ok());
+    let message = refused(&good_id, &good_id, &good_depth, 1);
+    assert_eq!(message, "guide shade is R32_UINT, but must be R32_SFLOAT");
+    assert_eq!(refused(&shade(8), &shade(8), &good_depth, 1), "guide id is R32_SFLOAT, but must be R32_UINT");
+    assert!(refused(&shade(8), &good_id, &good_id, 1).contains("guide depth is R32_UINT, but must be D32_SFLOAT or"));
+    let message = refused(&shade(8), &id(U::SAMPLED), &good_depth, 1);
+    assert_eq!(message, "guide id is made for SAMPLED, but must be made for STORAGE");
+    assert_eq!(refused(&shade(8), &good_id, &depth(9, kept), 1), "guide depth is 9x9, but must be 8x8");
+    assert_eq!(refused(&shade(9), &good_id, &good_depth, 1), "guide id is 8x8, but must be 9x9");
+    for objects in [0, MAX_OBJECTS + 1] {
+        assert!(refused(&shade(8), &good_id, &good_depth, objects).contains("object_count is"));
+    }
+    let guides = |id: &Image, depth: &Image| GuideImages::new(&shade(8), id, depth, MAX_OBJECTS).expect("guides");
+    // What is not followed need not be sampled or copied from.
+    let unkept = |id: &Image, depth: &Image| {
+        let guides = guides(id, depth);
+        MotionPass::new(&gpu.context, &guides).map(|_| ()).expect_err("refused").to_string()
+    };
+    assert!(unkept(&id(U::STORAGE), &good_depth).contains("guide id is made for STORAGE"));
+    assert!(unkept(&good_id, &depth(8, U::TRANSFER_SRC)).contains("guide depth is made for"));
+    assert!(MotionPass::new(&gpu.context, guides(&good_id, &good_depth)).is_ok());
 }

@@ -32,7 +32,7 @@ use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, Context, Image, RasterShader, Recorder, Sampler, Uploads,
 };
 use crate::paint::Trajectory;
-use crate::scene::GuidePass;
+use crate::scene::GuideImages;
 use crate::{Error, Result};
 use ash::vk;
 
@@ -153,11 +153,12 @@ impl AlignedTechnique {
     pub fn new(
         context: &Context,
         uploads: &mut Uploads,
-        guides: &GuidePass,
+        guides: impl Into<GuideImages>,
         levels: LevelVolume,
         trajectories: &[&Trajectory],
         paint_of_object: &[u32],
     ) -> Result<Self> {
+        let guides = guides.into();
         let paints = levels.paints() as usize;
         check_paints(paints, paint_of_object, guides.object_count())?;
         if trajectories.len() != paints {

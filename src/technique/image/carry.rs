@@ -10,7 +10,7 @@ use super::{ImageTechnique, RecombinePush};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Context, Image, ImageDesc, RasterShader, Recorder, Sampler, Uploads,
 };
-use crate::scene::GuidePass;
+use crate::scene::GuideImages;
 use crate::synthesis::quilt::Quilt;
 use crate::synthesis::repair::{Repair, RepairParams, RepairStages, PLACES};
 use crate::technique::picture_pass::{PicturePass, PICTURE};
@@ -79,18 +79,15 @@ impl Carry {
         context: &Context,
         uploads: &mut Uploads,
         technique: &ImageTechnique,
-        guides: &GuidePass,
+        guides: &GuideImages,
         paints: &[Paint<'_>],
         motion: &Image,
         params: &RepairParams,
     ) -> Result<Self> {
         let size = technique.tone.size_px();
-        for (name, picture) in [("motion", motion), ("guides", guides.shade())] {
-            if picture.size_px() != size {
-                let shown = |[width, height, _]: [u32; 3]| format!("{width}x{height}");
-                return Err(Error::parameter(name, shown(picture.size_px()), shown(size)));
-            }
-        }
+        motion.check("motion", &[vk::Format::R32_UINT], vk::ImageUsageFlags::STORAGE)?;
+        motion.check_size("motion", size)?;
+        guides.shade().check_size("guides", size)?;
         if paints.len() != technique.layers.len() {
             let allowed = format!("the {} of the technique", technique.layers.len());
             return Err(Error::parameter("paints", paints.len(), allowed));

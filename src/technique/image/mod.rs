@@ -17,7 +17,7 @@ use crate::gpu::{
     Access, BindingKind, BindingSet, ComputePipeline, Context, Image, ImageDesc, Recorder, Shader, Uploads,
 };
 use crate::paint::Trajectory;
-use crate::scene::GuidePass;
+use crate::scene::GuideImages;
 use crate::synthesis::params::QuiltParams;
 use crate::synthesis::quilt::{PreviousWeight, Quilt, QuiltGuide, QuiltStages, SampleTexels};
 use crate::synthesis::repair::RepairParams;
@@ -178,11 +178,12 @@ impl ImageTechnique {
         context: &Context,
         uploads: &mut Uploads,
         stages: &Arc<QuiltStages>,
-        guides: &GuidePass,
+        guides: impl Into<GuideImages>,
         paints: &[Paint<'_>],
         paint_of_object: &[u32],
         params: &ImageParams,
     ) -> Result<Self> {
+        let guides = guides.into();
         if params.quilt.tileable {
             return Err(Error::parameter("tileable", true, "false for image-based synthesis: a frame does not repeat"));
         }
@@ -261,18 +262,18 @@ impl ImageTechnique {
     /// last.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for parameters out of range or a picture of another size; [`Error::Memory`] when the budget
-    /// does not allow it.
+    /// [`Error::Parameter`] for parameters out of range or a picture of another size or format; [`Error::Memory`] when the
+    /// budget does not allow it.
     pub fn carry(
         &mut self,
         context: &Context,
         uploads: &mut Uploads,
-        guides: &GuidePass,
+        guides: impl Into<GuideImages>,
         paints: &[Paint<'_>],
         motion: &Image,
         params: &RepairParams,
     ) -> Result<()> {
-        self.carry = Some(Carry::new(context, uploads, self, guides, paints, motion, params)?);
+        self.carry = Some(Carry::new(context, uploads, self, &guides.into(), paints, motion, params)?);
         Ok(())
     }
 
