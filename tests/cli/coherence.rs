@@ -109,16 +109,17 @@ fn after_a_cut_frames_are_those_of_a_run_that_begins_there() {
 #[test]
 fn texture_is_blended_towards_frames_of_the_same_shot_only() {
     let place = Place::new();
-    let line = |frames: &str, folder: &str, more: &str| {
-        animate("image --coherence match --blend-over 1000", frames, folder) + more
+    let line = |over: u32, frames: &str, folder: &str, more: &str| {
+        animate(&format!("image --coherence match --blend-over {over}"), frames, folder) + more
     };
     // Far beyond the last frame there is no camera any more.
-    place.ok(&line("0..3", "zoom", " --zoom 0.9"));
-    let cut = r#"{"camera": [{"frame": 0}, {"frame": 3, "orbit": 9}, {"frame": 4, "orbit": 180}]}"#;
+    place.ok(&line(1000, "0..3", "zoom", " --zoom 0.9"));
+    // The frame that the first ones are blended towards would be the one after the cut.
+    let cut = r#"{"camera": [{"frame": 0}, {"frame": 2, "orbit": 6}, {"frame": 3, "orbit": 180}]}"#;
     fs::write(place.path("cut.json"), cut).expect("written");
-    place.ok(&line("0..3", "short", " --motion cut.json"));
-    place.ok(&line("0..5", "long", " --motion cut.json"));
-    assert!((0..=3).all(|number| frame(&place, "short", number) == frame(&place, "long", number)));
+    place.ok(&line(3, "0..2", "short", " --motion cut.json"));
+    place.ok(&line(3, "0..4", "long", " --motion cut.json"));
+    assert!((0..=2).all(|number| frame(&place, "short", number) == frame(&place, "long", number)));
 }
 
 #[test]
