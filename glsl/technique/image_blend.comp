@@ -1,7 +1,8 @@
 #version 450
-// Image-based technique, a frame between two textures that were synthesised for other frames (thesis chapter 6): colour
-// by this frame's shade, texture blended between the two. One dispatch for each paint; pixels of others stay. Where
-// only one of the two has texture, that is taken; the contrast of a blend is kept (paint.glsl).
+// Image-based technique, a frame between two textures that were synthesised for other frames (thesis chapter 6): colour by
+// this frame's shade, texture blended between the two. One dispatch for each paint; pixels of others stay.
+// Where only one of the two has texture, that is taken; the contrast of a blend is kept (paint.glsl), but blending takes
+// none where both are the same texel, as they are wherever a block was matched with itself.
 // In:  tone, guide, the canvases of the earlier and the later texture, the paints' colours.
 // Out: frame, straight alpha, background 0.
 #extension GL_GOOGLE_include_directive : require
@@ -45,7 +46,8 @@ void main() {
     vec3 a = 2.0 * unpackUnorm4x8(texels.x).rgb - 1.0;
     vec3 b = 2.0 * unpackUnorm4x8(texels.y).rgb - 1.0;
     // Where neither has any, colour is all there is.
-    vec3 difference = any(there) ? (w.x * a + w.y * b) * contrast_kept(dot(w, w)) : vec3(0.0);
+    float kept = texels.x == texels.y ? 1.0 : contrast_kept(dot(w, w));
+    vec3 difference = any(there) ? (w.x * a + w.y * b) * kept : vec3(0.0);
     float shade = imageLoad(tone, p).r;
     vec3 color = unpackUnorm4x8(imageLoad(colors, color_place(shade, push.paint - 1)).r).rgb;
     imageStore(frame, p, shown(color, difference, push.show));

@@ -97,7 +97,7 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let numbers: Vec<u32> = numbers.into_iter().filter(|&n| !(args.resume && target.has(n))).collect();
     session.phase("load");
     if numbers.is_empty() {
-        session.result("rendered", json!({ "frames": 0 }), "nothing to do: all frames are there");
+        session.result("rendered", json!({ "frames": 0, "replayed": 0 }), "nothing to do: all frames are there");
         return Ok(());
     }
 
@@ -111,20 +111,21 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     let mut sink = Sink::open(&target, args.shot.size, numbers.len(), &made_by)?;
     let progress = session.frames("animating", numbers.len());
     let mut times = Vec::with_capacity(numbers.len());
-    let at = |number: u32| motion.at(number, &shot.mesh);
-    let mut reached = None;
+    let mut next = args.frames.first;
+    let mut replayed = 0;
     for &number in &numbers {
         let started = Instant::now();
         // From the last frame that stands for itself, so that every part of a run comes to the same.
-        let key = (args.frames.first..=number).rev().find(|&number| is_fresh(number)).unwrap_or(number);
-        let from = if painter.has_memory() { reached.map_or(key, |last: u32| key.max(last + 1)) } else { number };
-        for step in from..=number {
-            let moment = at(step)?;
-            let next =
-                NextFrame { moment: &moment, number: step, fresh: is_fresh(step), shown: step == number, at: &at };
-            painter.advance(None, &mut device, &next)?;
+        let from = if painter.has_memory() { (next..=number).rev().find(|&step| is_fresh(step)) } else { Some(number) };
+        for step in from.unwrap_or(next)..=number {
+            let moment = motion.at(step, &shot.mesh)?;
+            let ahead = |to: u32| motion.ahead(step, to.min(args.frames.last), &shot.mesh);
+            let (fresh, shown) = (is_fresh(step), step == number);
+            let frame = NextFrame { moment: &moment, number: step, fresh, shown, ahead: &ahead };
+            painter.advance(None, &mut device, &frame)?;
+            replayed += u32::from(!shown);
         }
-        reached = Some(number);
+        next = number + 1;
         let frame = painter.frame(&mut device, Show::Painted)?;
         sink.write(number, if let Some(color) = background { over(frame, color) } else { frame })?;
         times.push(started.elapsed().as_secs_f64());
@@ -140,7 +141,8 @@ pub fn run(args: &AnimateArgs, session: &mut Session) -> Result {
     session.result(
         "rendered",
         json!({
-            "frames": times.len(), "frames_per_second": rate, "median_ms": at(0.5), "p95_ms": at(0.95),
+            "frames": times.len(), "replayed": replayed, "frames_per_second": rate,
+            "median_ms": at(0.5), "p95_ms": at(0.95),
             "cuts": numbers.iter().filter(|&&number| motion.is_cut(number)).collect::<Vec<_>>(),
         }),
         format!("{} frames, {rate:.1} a second (median {:.0} ms, p95 {:.0} ms)", times.len(), at(0.5), at(0.95)),

@@ -10,7 +10,7 @@
 use super::compare::TECHNIQUES;
 use super::failure::{Failure, Result};
 use super::frames::Frames;
-use super::image_frames::{CoherenceFlags, Continuity, NextFrame};
+use super::image_frames::{CoherenceLimits, Continuity, NextFrame};
 use super::meter::{check_room, frame_picture, quantile, sample_picture, Figures, Meter, SearchFlags, Seen, TestFlags};
 use super::motion::MotionFlags;
 use super::painter::{Painter, Scene};
@@ -33,16 +33,16 @@ struct Way {
     /// Whether texture follows the model, where the technique can do that.
     follows: bool,
     /// How image-based frames keep to the one before, if those are they.
-    image: fn(&CoherenceFlags) -> Continuity,
+    image: fn(&CoherenceLimits) -> Continuity,
 }
 
 /// All of them.
 static WAYS: [Way; 9] = [
     Way::new("object", TechniqueName::Object),
     Way::image(ANEW, |_| Continuity::Anew),
-    Way::image("image match", |flags| flags.matching(1)),
-    Way::image("image match, blend 4", |flags| flags.matching(4)),
-    Way::image("image carry", CoherenceFlags::carrying),
+    Way::image("image match", |limits| limits.matching(1)),
+    Way::image("image match, blend 4", |limits| limits.matching(4)),
+    Way::image("image carry", CoherenceLimits::carrying),
     Way::new("aligned following", TechniqueName::Aligned),
     Way { follows: false, ..Way::new("aligned still", TechniqueName::Aligned) },
     Way::new("dependent", TechniqueName::Dependent),
@@ -54,7 +54,7 @@ impl Way {
         Way { name, technique, follows: true, image: |_| Continuity::Anew }
     }
 
-    const fn image(name: &'static str, image: fn(&CoherenceFlags) -> Continuity) -> Self {
+    const fn image(name: &'static str, image: fn(&CoherenceLimits) -> Continuity) -> Self {
         Way { image, ..Way::new(name, TechniqueName::Image) }
     }
 }
@@ -91,7 +91,7 @@ pub struct CalmArgs {
     #[command(flatten)]
     motion: MotionFlags,
     #[command(flatten)]
-    coherence: CoherenceFlags,
+    limits: CoherenceLimits,
     #[command(flatten)]
     test: TestFlags,
     #[command(flatten)]
@@ -126,13 +126,16 @@ pub fn run(args: &CalmArgs, session: &mut Session) -> Result {
     }
     let shot = args.shot.load(&TECHNIQUES, session)?;
     let sample = args.sample(&shot, session)?;
-    let motion = args.motion.load(&shot, args.shot.view.axis(), args.frames, session)?;
-    let at = |number: u32| motion.at(number, &shot.mesh);
+    let moves = args.motion.load(&shot, args.shot.view.axis(), args.frames, session)?;
+    let at = |number: u32| moves.at(number, &shot.mesh);
     session.parameter("measure", "calm");
     session.parameter("way", args.ways.iter().map(|way| way.name).collect::<Vec<_>>());
     session.parameter("frames", args.frames.to_string());
     args.test.report(session);
     args.search.report(session);
+    for way in args.chosen_ways() {
+        (way.image)(&args.limits).check(args.shot.quilting.block, session)?;
+    }
     session.phase("load");
 
     let mut device = session.open_device()?;
@@ -140,10 +143,10 @@ pub fn run(args: &CalmArgs, session: &mut Session) -> Result {
     session.phase("setup");
     let scene = Scene { mesh: &shot.mesh, moment: at(args.frames.first)?, size: args.shot.size };
     let mut rows = Vec::with_capacity(WAYS.len());
-    for way in WAYS.iter().filter(|way| args.ways.is_empty() || args.ways.iter().any(|one| one.name == way.name)) {
+    for way in args.chosen_ways() {
         let mut chosen = args.shot.choose(way.technique, &shot)?;
         if let Technique::Image(continuity) = &mut chosen.technique {
-            *continuity = (way.image)(&args.coherence);
+            *continuity = (way.image)(&args.limits);
         }
         rows.push(Row::new(way, Painter::new(session, &mut device, &scene, &shot.paints, &chosen)?));
     }
@@ -153,11 +156,13 @@ pub fn run(args: &CalmArgs, session: &mut Session) -> Result {
     let mut before: Option<Seen> = None;
     for number in args.frames.first..=args.frames.last {
         let moment = at(number)?;
+        let ahead = |to: u32| moves.ahead(number, to.min(args.frames.last), &shot.mesh);
+        let cut = number == args.frames.first || moves.is_cut(number);
         let seen = Seen::new(&shot.mesh, &moment, args.shot.size)?;
-        let motion = before.as_ref().map(|before| before.motion_to(&seen)).transpose()?;
+        let motion = before.as_ref().filter(|_| !cut).map(|before| before.motion_to(&seen)).transpose()?;
         for row in &mut rows {
-            let fresh = number == args.frames.first || !row.way.follows;
-            let next = NextFrame { moment: &moment, number, fresh, shown: true, at: &at };
+            let fresh = cut || !row.way.follows;
+            let next = NextFrame { moment: &moment, number, fresh, shown: true, ahead: &ahead };
             let frame = row.draw(&mut device, &next)?;
             row.take(frame, motion.as_ref())?;
             if number == args.frames.first || number == args.frames.last {
@@ -186,6 +191,11 @@ pub fn run(args: &CalmArgs, session: &mut Session) -> Result {
 }
 
 impl CalmArgs {
+    /// The ways to measure, in the order of the table.
+    fn chosen_ways(&self) -> impl Iterator<Item = &'static Way> + '_ {
+        WAYS.iter().filter(|way| self.ways.is_empty() || self.ways.iter().any(|one| one.name == way.name))
+    }
+
     /// The strip that similarity is measured against, with its file; none where there are several.
     fn sample(&self, shot: &Shot, session: &mut Session) -> Result<Option<(PathBuf, Picture)>> {
         let mut strips = shot.paints.strips();

@@ -61,13 +61,13 @@ pub struct CompareArgs {
     #[command(flatten)]
     search: SearchFlags,
     #[command(flatten)]
-    view: ViewFlags,
-    #[command(flatten)]
     strip: StripFlags,
     #[command(flatten)]
     quilting: Quilting,
     #[command(flatten)]
     technique: TechniqueOptions,
+    #[command(flatten)]
+    view: ViewFlags,
 }
 
 /// What all paints are measured with.

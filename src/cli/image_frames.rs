@@ -1,7 +1,9 @@
 //! Image-based frames one after the other: how each keeps to the one before it.
 
 use super::failure::{Failure, Result};
+use super::report::number;
 use super::session::{Device, Session, PART_COMPARISONS};
+use super::values::finite;
 use clap::{Args, ValueEnum};
 use impasto::gpu::{Context, Uploads};
 use impasto::scene::{GuidePass, Moment, MotionPass};
@@ -9,10 +11,6 @@ use impasto::synthesis::quilt::{PreviousWeight, QuiltStages};
 use impasto::synthesis::repair::RepairParams;
 use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::{Paint, Show};
-use serde_json::Value;
-
-use super::report::number;
-use super::values::finite;
 
 /// How image-based frames keep to the one before.
 #[derive(Args, Debug, Clone)]
@@ -21,6 +19,18 @@ pub struct CoherenceFlags {
     /// How a frame keeps to the one before it
     #[arg(long, value_enum, default_value_t = Coherence::Carry)]
     coherence: Coherence,
+    #[command(flatten)]
+    limits: CoherenceLimits,
+    /// For match: new texture only for every N-th frame, blended in between, 1 to 1000
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), default_value_t = 1,
+          allow_negative_numbers = true)]
+    blend_over: u32,
+}
+
+/// How closely they keep to it.
+#[derive(Args, Debug, Clone)]
+#[command(next_help_heading = "Coherence of image-based frames")]
+pub struct CoherenceLimits {
     /// For carry: by what factor texture may be stretched or compressed before it is synthesised anew, 1.05 to 1.5
     #[arg(long, value_name = "FACTOR", value_parser = finite, default_value_t = RepairParams::default().stretch,
           allow_hyphen_values = true)]
@@ -37,10 +47,6 @@ pub struct CoherenceFlags {
     /// For match: how much the last frame counts against the overlap, 0.25 to 3 in steps of 0.25
     #[arg(long, value_name = "WEIGHT", value_parser = finite, default_value_t = 1.0, allow_hyphen_values = true)]
     match_weight: f32,
-    /// For match: new texture only for every N-th frame, blended in between, 1 to 1000
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), default_value_t = 1,
-          allow_negative_numbers = true)]
-    blend_over: u32,
 }
 
 /// [`Continuity`] as a flag.
@@ -72,26 +78,18 @@ impl CoherenceFlags {
         session.parameter("coherence", format!("{:?}", self.coherence).to_lowercase());
         let continuity = match self.coherence {
             Coherence::Anew => Continuity::Anew,
-            Coherence::Match => {
-                session.parameter("match_weight", number(self.match_weight));
-                session.parameter("blend_over", Value::from(self.blend_over));
-                self.matching(self.blend_over)
-            }
-            Coherence::Carry => {
-                session.parameter("stretch", number(self.stretch));
-                session.parameter("slack", number(self.slack));
-                session.parameter("repair_tolerance", number(self.repair_tolerance));
-                self.carrying()
-            }
+            Coherence::Match => self.limits.matching(self.blend_over),
+            Coherence::Carry => self.limits.carrying(),
         };
-        match &continuity {
-            Continuity::Anew => {}
-            Continuity::Match(weight, _) => weight.check(block_px)?,
-            Continuity::Carry(params) => params.check()?,
+        if let Continuity::Match(_, over) = continuity {
+            session.parameter("blend_over", over);
         }
+        continuity.check(block_px, session)?;
         Ok(continuity)
     }
+}
 
+impl CoherenceLimits {
     /// Matching, with new texture every so many frames.
     pub fn matching(&self, blend_over: u32) -> Continuity {
         Continuity::Match(PreviousWeight(self.match_weight), blend_over)
@@ -100,6 +98,26 @@ impl CoherenceFlags {
     /// Carrying.
     pub fn carrying(&self) -> Continuity {
         Continuity::Carry(RepairParams { stretch: self.stretch, tolerance: self.repair_tolerance, slack: self.slack })
+    }
+}
+
+impl Continuity {
+    /// Checks the limits for blocks of this size, and adds them to the report.
+    pub fn check(&self, block_px: u32, session: &mut Session) -> Result {
+        match self {
+            Continuity::Anew => {}
+            Continuity::Match(weight, _) => {
+                session.parameter("match_weight", number(weight.0));
+                weight.check(block_px)?;
+            }
+            Continuity::Carry(params) => {
+                session.parameter("stretch", number(params.stretch));
+                session.parameter("slack", number(params.slack));
+                session.parameter("repair_tolerance", number(params.tolerance));
+                params.check()?;
+            }
+        }
+        Ok(())
     }
 }
 
@@ -126,8 +144,8 @@ pub struct NextFrame<'a> {
     pub fresh: bool,
     /// Whether it is to be shown, or only to be gone on from.
     pub shown: bool,
-    /// What other frames show.
-    pub at: &'a dyn Fn(u32) -> Result<Moment>,
+    /// What a later frame shows; if that is beyond this sequence or a cut, the last frame before.
+    pub ahead: &'a dyn Fn(u32) -> Result<Moment>,
 }
 
 impl<'a> NextFrame<'a> {
@@ -138,7 +156,7 @@ impl<'a> NextFrame<'a> {
             number,
             fresh: true,
             shown: true,
-            at: &|number| Err(Failure::new(format!("frame {number} is not known"))),
+            ahead: &|number| Err(Failure::new(format!("frame {number} is not known"))),
         }
     }
 }
@@ -238,7 +256,7 @@ impl ImageFrames {
         }
         while next.number >= self.keys[1] {
             let key = self.keys[1] + over;
-            let moment = (next.at)(key)?;
+            let moment = (next.ahead)(key)?;
             device.runner.run(|recorder| guides.record(recorder, &moment))?;
             self.synthesise(session, device, key)?;
             self.keys = [self.keys[1], key];

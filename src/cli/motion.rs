@@ -164,6 +164,12 @@ impl Motion {
         Ok(moment.fit_depth(mesh))
     }
 
+    /// What a frame shows that is to be reached from another, no further than to the next cut: the last frame before it.
+    pub fn ahead(&self, from: u32, to: u32, mesh: &Mesh) -> Result<Moment> {
+        let cut = (from + 1..=to).find(|&frame| self.is_cut(frame));
+        self.at(cut.map_or(to, |cut| cut - 1), mesh)
+    }
+
     /// Whether the camera jumps between the frame before and this one: by a cut of the file, or because it moves so far
     /// that little of the one picture is in the other.
     pub fn is_cut(&self, frame: u32) -> bool {

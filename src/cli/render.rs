@@ -24,15 +24,15 @@ pub struct RenderArgs {
     /// Picture to write: .png, .bmp or .tiff with a transparent background, or .jpg
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
-    #[command(flatten)]
-    look: LookFlags,
-    #[command(flatten)]
-    shot: ShotFlags,
     /// Folder for the intermediates: shade.png, id.png, color.png, texture.png, trajectory.png, trajectory.csv, with
     /// the technique image blocks.json, and with dependent coverage.json; those of a second paint are trajectory_2.png
     /// and so on
     #[arg(long, value_name = "DIR")]
     dump: Option<PathBuf>,
+    #[command(flatten)]
+    look: LookFlags,
+    #[command(flatten)]
+    shot: ShotFlags,
 }
 
 /// Renders.

@@ -8,6 +8,7 @@ use super::session::Session;
 use super::techniques::{Chosen, TechniqueName, TechniqueOptions};
 use super::values::{color, Size};
 use super::view::ViewFlags;
+use clap::builder::Resettable;
 use clap::Args;
 use impasto::scene::{Camera, Lights, Mesh, MeshOptions};
 use impasto::technique::image::ImageParams;
@@ -15,9 +16,10 @@ use std::path::{Path, PathBuf};
 
 /// A model, and what all ways of painting it take.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Picture and paint")]
 pub struct ShotFlags {
     /// Wavefront OBJ model
-    #[arg(value_name = "MODEL.obj")]
+    #[arg(value_name = "MODEL.obj", help_heading = Resettable::Reset)]
     model: PathBuf,
     /// Size of the picture in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1024x1024", allow_hyphen_values = true)]
@@ -34,6 +36,7 @@ pub struct ShotFlags {
 
 /// How it is painted, for commands that paint in one way.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Picture and paint")]
 pub struct LookFlags {
     /// Way of painting
     #[arg(long, value_enum, default_value_t)]

@@ -10,6 +10,7 @@ use serde_json::json;
 
 /// From where the model is seen, and how it is lit.
 #[derive(Args, Debug, Clone)]
+#[command(next_help_heading = "Camera and light")]
 pub struct ViewFlags {
     /// Degrees around the model: 0 from +z, positive towards +x [default: a three-quarter view]
     #[arg(long, value_name = "DEGREES", value_parser = finite, allow_hyphen_values = true)]

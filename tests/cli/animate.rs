@@ -14,25 +14,32 @@ fn animate(technique: &str, frames: &str, output: &str) -> String {
 #[test]
 fn parts_made_by_several_processes_are_the_whole() {
     let place = Place::new();
-    for technique in ["image", "object", "aligned", "dependent"] {
-        let report = place.json(&(animate(technique, "3..9", &format!("{technique}/%02d.png")) + " --validate"));
-        assert_eq!(report["rendered"]["frames"], 7, "{technique}");
+    let (carry, matching, blend) = ("image", "image --coherence match", "image --coherence match --blend-over 3");
+    // Each part goes through the frames from the last keyframe before it on.
+    let (all, keys) = ([0, 3, 6], [0, 3, 2]);
+    let ways = [carry, matching, blend, "aligned", "dependent --views 30:20,60:20"];
+    let runs = ways.map(|way| (way.to_owned(), all)).into_iter();
+    let runs = runs.chain(ways.map(|way| (format!("{way} --keyframes 4"), keys)));
+    let runs = runs.chain(["object", "image --coherence anew"].map(|way| (way.to_owned(), [0; 3])));
+    for (index, (way, replayed)) in runs.enumerate() {
+        let line = |folder: &str| animate(&way, "3..11", &format!("{index}/{folder}/%02d.png"));
+        let report = place.json(&(line("whole") + " --validate"));
+        assert_eq!((&report["rendered"]["frames"], &report["rendered"]["replayed"]), (&9.into(), &0.into()), "{way}");
         std::thread::scope(|scope| {
-            for shard in ["0/3", "1/3", "2/3"] {
-                let line = animate(technique, "3..9", &format!("{technique}_parts/%02d.png"));
-                let place = &place;
-                scope.spawn(move || place.ok(&format!("{line} --shard {shard}")));
+            for (shard, replayed) in replayed.into_iter().enumerate() {
+                let (line, way, place) = (format!("{} --shard {shard}/3", line("parts")), &way, &place);
+                scope.spawn(move || assert_eq!(place.json(&line)["rendered"]["replayed"], replayed, "{way}: {shard}"));
             }
         });
         let mut frames = Vec::new();
-        for number in 3..=9 {
-            let read = |folder: &str| fs::read(place.path(&format!("{folder}/{number:02}.png"))).expect("a frame");
-            let whole = read(technique);
-            assert!(whole == read(&format!("{technique}_parts")), "{technique}: frame {number}");
+        for number in 3..=11 {
+            let read = |folder: &str| place.bytes(&format!("{index}/{folder}/{number:02}.png"));
+            let whole = read("whole");
+            assert!(whole == read("parts"), "{way}: frame {number}");
             frames.push(whole);
         }
-        assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "{technique}: it moves");
-        assert!(!place.path(&format!("{technique}/10.png")).exists());
+        assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "{way}: it moves");
+        assert!(!place.path(&format!("{index}/whole/12.png")).exists());
     }
 }
 

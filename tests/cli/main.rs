@@ -6,6 +6,7 @@ mod common;
 mod animate;
 mod bad;
 mod calm;
+mod coherence;
 mod demo;
 mod good;
 mod measure;

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -68,19 +68,27 @@ impl Place {
         self.run_command(Command::new("sh").args(["-c", limited, env!("CARGO_BIN_EXE_impasto")]).args(words), words)
     }
 
-    fn run_command(&self, command: &mut Command, words: &[&str]) -> Ran {
-        let logs = TempDir::new().expect("a temporary folder");
-        let log = |name: &str| File::create(logs.path().join(name)).expect("a log file");
-        let mut child = command
+    /// Starts the program, and does not wait for it nor listen to it.
+    pub fn start(&self, line: &str) -> Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_impasto"));
+        self.spawn(command.args(line.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::null()))
+    }
+
+    fn spawn(&self, command: &mut Command) -> Child {
+        command
             .current_dir(self.dir.path())
             // Compiled pipelines are kept from run to run.
             .env("XDG_CACHE_HOME", Path::new(env!("CARGO_TARGET_TMPDIR")).join("cli-cache"))
             .envs(self.variables.iter().copied())
             .stdin(Stdio::null())
-            .stdout(log("stdout"))
-            .stderr(log("stderr"))
             .spawn()
-            .expect("the program starts");
+            .expect("the program starts")
+    }
+
+    fn run_command(&self, command: &mut Command, words: &[&str]) -> Ran {
+        let logs = TempDir::new().expect("a temporary folder");
+        let log = |name: &str| File::create(logs.path().join(name)).expect("a log file");
+        let mut child = self.spawn(command.stdout(log("stdout")).stderr(log("stderr")));
         let started = Instant::now();
         let status = loop {
             if let Some(status) = child.try_wait().expect("the program can be waited for") {
