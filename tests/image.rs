@@ -7,7 +7,7 @@ use impasto::gpu::{Runner, Uploads};
 use impasto::paint::{ColorStop, PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
 use impasto::scene::{Camera, Framing, Guide, GuideOracle, GuidePass, Lights, Mesh, MeshOptions, Moment, Pose, Vec3};
 use impasto::synthesis::params::QuiltParams;
-use impasto::synthesis::quilt::QuiltStages;
+use impasto::synthesis::quilt::{PreviousWeight, QuiltStages};
 use impasto::synthesis::quilt_oracle::{quilt_oracle, OracleGuide};
 use impasto::synthesis::tile_mask::TileMask;
 use impasto::synthesis::tile_oracle::tile_oracle;
@@ -363,6 +363,86 @@ fn image_technique_equals_the_oracle() {
             }
         }
         assert!(blue.iter().zip(&guide.id).any(|(pixel, id)| *id == 2 && pixel[0] > 0), "the table keeps its red");
+    }
+}
+
+#[test]
+fn a_frame_between_two_textures_equals_the_oracle() {
+    let gpu = Validated::new();
+    let mut runner = gpu.runner();
+    let mesh = load(&builtin("teapot_on_table.obj"));
+    let size = (120, 90);
+    let (texture, trajectory) = strip("strip_green_yellow.png");
+    let paints = [Paint { texture: &texture, trajectory: &trajectory }];
+    let moment = |yaw_deg| {
+        let framing = Framing { yaw_deg, ..Framing::default() };
+        Moment::at_rest(Camera::framing(&mesh, &framing, 120.0 / 90.0).expect("a camera"), Lights::default())
+    };
+    let mut uploads = Uploads::default();
+    let guides = GuidePass::new(&gpu.context, &mut uploads, &mesh, size).expect("a guide pass");
+    let stages = QuiltStages::new(&gpu.context).expect("stages");
+    let quilt = QuiltParams { block_px: 16, overlap_px: 4, ..Default::default() };
+    let params = ImageParams { quilt, previous: Some(PreviousWeight(1.0)), ..Default::default() };
+    let technique = ImageTechnique::new(&gpu.context, &mut uploads, &stages, &guides, &paints, &[0, 0], &params)
+        .expect("a technique");
+    runner
+        .run(|recorder| {
+            uploads.record(recorder);
+            assert!(technique.record_blend(recorder, 1.5, Show::Painted).is_err(), "a blend out of range");
+            Ok(())
+        })
+        .expect("run");
+    // Two textures from either side, and a frame between, which shows what neither has.
+    let canvases = [(0, 15.0), (1, 35.0)].map(|(number, yaw)| {
+        runner
+            .run(|recorder| {
+                guides.record(recorder, &moment(yaw))?;
+                technique.record(recorder, 3, number);
+                Ok(())
+            })
+            .expect("run");
+        let quilt = technique.quilts().next().expect("a quilting");
+        let texels: Vec<[u8; 4]> = bytemuck::pod_collect_to_vec(&runner.read_image(quilt.canvas()).expect("canvas"));
+        texels
+    });
+    for blend in [0.0, 0.25, 1.0] {
+        runner
+            .run(|recorder| {
+                guides.record(recorder, &moment(20.0))?;
+                technique.record_guide(recorder);
+                technique.record_blend(recorder, blend, Show::Painted)
+            })
+            .expect("run");
+        let tone = floats(&runner.read_image(technique.shade()).expect("tone"));
+        let id = words(&runner.read_image(guides.id()).expect("id"));
+        let got: Vec<[u8; 4]> = bytemuck::pod_collect_to_vec(&runner.read_image(technique.frame()).expect("frame"));
+        let mut kinds = [0; 4];
+        let want: Vec<[u8; 4]> = (0..got.len())
+            .map(|i| {
+                let (a, b) = (canvases[0][i], canvases[1][i]);
+                let (there, blend) = ([a[3] != 0, b[3] != 0], f64::from(blend));
+                let weights = match there {
+                    [true, true] if a == b => [1.0, 0.0],
+                    [true, true] => [1.0 - blend, blend],
+                    [first, second] => [f64::from(u8::from(first)), f64::from(u8::from(second))],
+                };
+                let kept = weights.iter().map(|w| w * w).sum::<f64>().sqrt().max(1e-9);
+                let color = trajectory.at(tone[i]);
+                let value = |c: usize| {
+                    let difference = |texel: [u8; 4]| 2.0 * f64::from(texel[c]) / 255.0 - 1.0;
+                    let blended = (weights[0] * difference(a) + weights[1] * difference(b)) / kept;
+                    ((f64::from(color[c]) + blended).clamp(0.0, 1.0) * 255.0).round() as u8
+                };
+                if id[i] == 0 {
+                    return [0; 4];
+                }
+                kinds[usize::from(there[0]) + 2 * usize::from(there[1])] += 1;
+                [value(0), value(1), value(2), 255]
+            })
+            .collect();
+        assert!(kinds[3] > 1000 && kinds[1] + kinds[2] > 10, "what there is: {kinds:?}");
+        let worst = largest_difference(&got, &want);
+        assert!(worst <= 2, "blend {blend}: frames differ by {worst}");
     }
 }
 
