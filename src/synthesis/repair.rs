@@ -78,7 +78,7 @@ pub struct RepairParams {
 
 impl Default for RepairParams {
     fn default() -> Self {
-        RepairParams { stretch: 1.35, tolerance: 0.1, slack: 0.5 }
+        RepairParams { stretch: 1.25, tolerance: 0.1, slack: 0.5 }
     }
 }
 
