@@ -441,6 +441,10 @@ impl Quilt {
         let source = Image::new(context, "quilt source", &desc)?;
         let picture = |_| Image::new(context, "quilt previous", &desc);
         let previous = previous_weight.map(picture).transpose()?;
+        if previous.is_some() {
+            // The first synthesis matches nothing, even if nobody has said so.
+            uploads.image(context, &canvas, &vec![0; 4 * canvas.texels() as usize])?;
+        }
         let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
         let blocks = storage("quilt blocks", size_of_val(&data[..]) as u64)?;
         let errors = storage("quilt errors", block_bytes * u64::from(batch))?;

@@ -69,8 +69,6 @@ pub struct RepairParams {
     /// By what factor texture may be stretched or compressed in any direction: 1.05 to 1.5.
     pub stretch: f32,
     /// How much worse than the best position a position may fit and still be chosen, as [`QuiltParams::tolerance`].
-    /// More than in quilting: what must fit on all sides fits best where the sample is quiet, and a sequence would go
-    /// that way.
     pub tolerance: f32,
     /// How many block sizes beyond its window a block's texture may come from once the shade has changed: 0 to 100.
     pub slack: f32,
@@ -164,11 +162,7 @@ impl Repair {
         let Some(guide) = quilt.guide.clone().filter(|_| !quilt.params.tileable) else {
             return Err(Error::parameter("quilting", "free or tileable", "guided and not tileable, to be repaired"));
         };
-        let (width, height) = quilt.layout.output;
-        if carried.size_px() != [width, height, 1] {
-            let [w, h, _] = carried.size_px();
-            return Err(Error::parameter("carried places", format!("{w}x{h}"), format!("{width}x{height}")));
-        }
+        carried.check_size("carried places", quilt.canvas().size_px())?;
         let sample_height = quilt.sample_size.1;
         let all_rows = sample_height - quilt.params.block_px + 1;
         let row_step = (all_rows * quilt.columns / POSITIONS).clamp(1, all_rows);

@@ -284,8 +284,7 @@ impl ImageTechnique {
 
     /// Records a frame that goes on from the last one, after [`ImageTechnique::carry`]: texture is carried along, and
     /// synthesised anew only where it no longer fits. Guides and motion must have been recorded before, and some frame
-    /// by
-    /// [`ImageTechnique::record`] or its parts. Without carrying, a frame is that of [`ImageTechnique::record`].
+    /// by [`ImageTechnique::record`] or its parts. Without carrying, a frame is that of [`ImageTechnique::record`].
     pub fn record_next(&self, recorder: &mut Recorder<'_>, seed: u32, frame: u32) {
         let Some(carry) = &self.carry else {
             return self.record(recorder, seed, frame);
