@@ -3,16 +3,16 @@
 use crate::gpu::{RasterShader, Shader};
 use crate::metric;
 use crate::scene;
-use crate::synthesis::{quilt, repair, tile_mask, volume};
+use crate::synthesis::{quilt_stages, repair, tile_mask, volume};
 use crate::technique::{aligned, dependent, image, object};
 
 /// The table of each compute shader, with the path of its source below glsl/. A test fails when one is missing.
 pub fn shaders() -> Vec<(&'static str, Shader)> {
     vec![
-        ("synthesis/quilt_guide.comp", quilt::QUILT_GUIDE),
-        ("synthesis/quilt_search.comp", quilt::QUILT_SEARCH),
-        ("synthesis/quilt_match.comp", quilt::QUILT_MATCH),
-        ("synthesis/quilt_place.comp", quilt::QUILT_PLACE),
+        ("synthesis/quilt_guide.comp", quilt_stages::QUILT_GUIDE),
+        ("synthesis/quilt_search.comp", quilt_stages::QUILT_SEARCH),
+        ("synthesis/quilt_match.comp", quilt_stages::QUILT_MATCH),
+        ("synthesis/quilt_place.comp", quilt_stages::QUILT_PLACE),
         ("synthesis/repair_fit.comp", repair::REPAIR_FIT),
         ("synthesis/tile_mask.comp", tile_mask::TILE_MASK),
         ("synthesis/volume_slice.comp", volume::VOLUME_SLICE),

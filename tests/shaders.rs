@@ -11,7 +11,7 @@ mod sources;
 
 use impasto::gpu::{Access, BindingKind, RasterShader};
 use impasto::shader_table;
-use impasto::synthesis::quilt::shared_structs;
+use impasto::synthesis::quilt_stages::shared_structs;
 use spirv::{Binary, Member, Resource};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -12,8 +12,11 @@
 pub mod params;
 pub mod quilt;
 pub mod quilt_oracle;
+#[doc(hidden)]
+pub mod quilt_stages;
 pub mod repair;
 pub mod repair_oracle;
+pub(crate) mod sample;
 pub mod tile_mask;
 pub mod tile_oracle;
 pub(crate) mod volume;

@@ -11,21 +11,18 @@
 //! texels) and, for each pixel, where in the sample it came from.
 
 use super::params::{BlockRecord, Layout, QuiltParams};
-use super::repair::FitPush;
-use crate::gpu::{
-    Access, BindingKind, BindingSet, Bound, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder,
-    Runner, Shader, Uploads,
+use super::quilt_stages::{
+    chunk, BlockData, GuidePush, MatchPush, PlacePush, Rows, SearchPush, Targets, GROUP, STATE_PLACED, TILE,
 };
+use crate::gpu::{BindingSet, Buffer, BufferKind, Context, Image, ImageDesc, Recorder, Runner, Uploads};
 use crate::{Error, Result};
 use ash::vk;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
-const GROUP: u32 = 128;
-const TILE: u32 = 8;
-/// Texels that a search may read beyond the right edge of a sample.
-const PADDING: u32 = TILE + 6;
+pub use super::quilt_stages::QuiltStages;
+pub use super::sample::SampleTexels;
+
 /// Blocks in a row of `quilt_guide`'s workgroups; every device allows more.
 const GUIDE_GROUPS_X: u32 = 32_768;
 /// Memory for the errors of one dispatch; longer waves are cut.
@@ -34,268 +31,6 @@ pub(super) const ERRORS_BYTES: u64 = 64 << 20;
 const PLACE_COMPARISONS: u64 = 250_000;
 /// Pixel comparisons after which a step of the search is cut, so that a submission can be kept short.
 const STEP_COMPARISONS: u64 = 200_000_000;
-
-pub(crate) const QUILT_GUIDE: Shader = Shader {
-    name: "quilt_guide",
-    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_guide.comp.spv"),
-    bindings: &[BindingKind::Image(Access::ComputeRead), BindingKind::Buffer(Access::ComputeReadWrite)],
-    push_bytes: size_of::<GuidePush>() as u32,
-};
-
-pub(crate) const QUILT_SEARCH: Shader = Shader {
-    name: "quilt_search",
-    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_search.comp.spv"),
-    bindings: &[
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeWrite),
-        BindingKind::Buffer(Access::ComputeWrite),
-    ],
-    push_bytes: size_of::<SearchPush>() as u32,
-};
-
-pub(crate) const QUILT_MATCH: Shader = Shader {
-    name: "quilt_match",
-    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_match.comp.spv"),
-    bindings: &[
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeWrite),
-        BindingKind::Buffer(Access::ComputeWrite),
-    ],
-    push_bytes: size_of::<MatchPush>() as u32,
-};
-
-pub(crate) const QUILT_PLACE: Shader = Shader {
-    name: "quilt_place",
-    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_place.comp.spv"),
-    bindings: &[
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeReadWrite),
-        BindingKind::Image(Access::ComputeWrite),
-        BindingKind::Buffer(Access::ComputeReadWrite),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-    ],
-    push_bytes: size_of::<PlacePush>() as u32,
-};
-
-/// `Block` of quilt.glsl.
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct BlockData {
-    x: u32,
-    y: u32,
-    width: u32,
-    height: u32,
-    sx0: u32,
-    sx1: u32,
-    state: u32,
-    sx: u32,
-    sy: u32,
-    error: u32,
-    min_error: u32,
-}
-
-const STATE_PLACED: u32 = 2;
-
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct GuidePush {
-    output: [u32; 2],
-    sample_width: u32,
-    block_px: u32,
-    guided: u32,
-    paint: u32,
-    window_px: u32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-struct SearchPush {
-    output: [u32; 2],
-    sample_height: u32,
-    block_px: u32,
-    overlap_px: u32,
-    tileable: u32,
-    columns: u32,
-    rows: u32,
-    first_block: u32,
-    first_group: u32,
-    groups_per_block: u32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub(super) struct MatchPush {
-    output: [u32; 2],
-    sample_height: u32,
-    block_px: u32,
-    overlap_px: u32,
-    tileable: u32,
-    columns: u32,
-    rows: u32,
-    first_block: u32,
-    first_group: u32,
-    groups_per_block: u32,
-    canvas_weight: u32,
-    previous_weight: u32,
-    first_row: u32,
-    row_step: u32,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub(super) struct PlacePush {
-    output: [u32; 2],
-    sample_height: u32,
-    block_px: u32,
-    overlap_px: u32,
-    tileable: u32,
-    first_block: u32,
-    groups_per_block: u32,
-    columns: u32,
-    rows: u32,
-    tolerance: u32,
-    seed: u32,
-    frame: u32,
-    first_row: u32,
-    row_step: u32,
-}
-
-/// A structure that Rust and GLSL share: its file below glsl/, its name there, its size, and Rust's fields with their
-/// offsets. Only for the test that compares the two.
-#[doc(hidden)]
-pub type SharedStruct = (&'static str, &'static str, usize, Vec<(&'static str, usize)>);
-
-/// The structures that the stages share with their shaders.
-#[doc(hidden)]
-pub fn shared_structs() -> Vec<SharedStruct> {
-    macro_rules! shared {
-        ($file:literal, $glsl:literal, $rust:ty, $($field:ident)*) => {
-            ($file, $glsl, size_of::<$rust>(), vec![$((stringify!($field), std::mem::offset_of!($rust, $field))),*])
-        };
-    }
-    vec![
-        shared!("synthesis/quilt.glsl", "struct Block", BlockData,
-            x y width height sx0 sx1 state sx sy error min_error),
-        shared!("synthesis/quilt_guide.comp", "uniform Push", GuidePush,
-            output sample_width block_px guided paint window_px),
-        shared!("synthesis/quilt_search.comp", "uniform Push", SearchPush,
-            output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block),
-        shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,
-            output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
-            canvas_weight previous_weight first_row row_step),
-        shared!("synthesis/repair_fit.comp", "uniform Push", FitPush,
-            sample_width block_px overlap_px columns rows paint window_px slack capacity band_rows),
-        shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
-            output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
-            frame first_row row_step),
-    ]
-}
-
-/// The compiled stages; one for a context serves every quilting.
-pub struct QuiltStages {
-    guide: ComputePipeline,
-    /// One for each size of chunk, 4, 5 and 6.
-    search: [ComputePipeline; 3],
-    /// Without and with another picture to match.
-    pub(super) matching: [ComputePipeline; 2],
-    pub(super) place: ComputePipeline,
-}
-
-impl QuiltStages {
-    /// Compiles the stages.
-    ///
-    /// # Errors
-    /// [`Error::Vulkan`] when a call fails.
-    pub fn new(context: &Context) -> Result<Arc<Self>> {
-        let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk]);
-        let matching = |previous| ComputePipeline::specialized(context, &QUILT_MATCH, &[previous]);
-        Ok(Arc::new(QuiltStages {
-            guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
-            search: [search(4)?, search(5)?, search(6)?],
-            matching: [matching(0)?, matching(1)?],
-            place: ComputePipeline::new(context, &QUILT_PLACE)?,
-        }))
-    }
-}
-
-/// A sample's 8-bit texels on the device, and the summed-area table of their squares.
-pub struct SampleTexels {
-    image: Image,
-    squares: Image,
-    size: (u32, u32),
-}
-
-impl SampleTexels {
-    /// Stages `texels` (RGBA, row by row; alpha is ignored) for upload.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] when the texels are not `size.0 * size.1`, or a side is over 4,096 px.
-    pub fn new(context: &Context, uploads: &mut Uploads, texels: &[[u8; 4]], size: (u32, u32)) -> Result<Self> {
-        // The summed-area table is the largest image that is made.
-        let limit = super::params::MAX_SAMPLE_PX.min(context.caps().max_image_2d_px.saturating_sub(PADDING + 1));
-        if size.0 == 0 || size.1 == 0 || size.0 > limit || size.1 > limit {
-            return Err(Error::parameter(
-                "sample size",
-                format!("{}x{}", size.0, size.1),
-                format!("1 to {limit} px a side"),
-            ));
-        }
-        if texels.len() as u64 != u64::from(size.0) * u64::from(size.1) {
-            return Err(Error::parameter("sample texels", texels.len(), format!("{} x {}", size.0, size.1)));
-        }
-        // A tile of positions at the right edge reads beyond it; what it reads is there, and unused.
-        let (width, height) = (size.0 as usize, size.1 as usize);
-        let padded_width = width + PADDING as usize;
-        let mut padded = vec![[0u8; 4]; padded_width * height];
-        for (to, from) in padded.chunks_exact_mut(padded_width).zip(texels.chunks_exact(width)) {
-            to[..width].copy_from_slice(from);
-        }
-        let squares = summed_squares(&padded, padded_width, height);
-        let image = |name, width: usize, height: usize, data: &[u8], uploads: &mut Uploads| {
-            let desc = ImageDesc::storage_2d(width as u32, height as u32, vk::Format::R32_UINT);
-            let image = Image::new(context, name, &desc)?;
-            uploads.image(context, &image, data)?;
-            Ok::<_, Error>(image)
-        };
-        let texels = image("quilt sample", padded_width, height, bytemuck::cast_slice(&padded), uploads)?;
-        let squares =
-            image("quilt sample squares", padded_width + 1, height + 1, bytemuck::cast_slice(&squares), uploads)?;
-        Ok(SampleTexels { image: texels, squares, size })
-    }
-
-    pub(crate) fn image(&self) -> &Image {
-        &self.image
-    }
-
-    /// Width and height of the sample, pixels.
-    pub fn size(&self) -> (u32, u32) {
-        self.size
-    }
-}
-
-/// The summed-area table of |rgb|^2 with a row and a column of zeros first. It wraps around; differences do not care.
-fn summed_squares(texels: &[[u8; 4]], width: usize, height: usize) -> Vec<u32> {
-    let mut table = vec![0u32; (width + 1) * (height + 1)];
-    for y in 0..height {
-        let mut row = 0u32;
-        for x in 0..width {
-            let [r, g, b, _] = texels[y * width + x].map(u32::from);
-            row = row.wrapping_add(r * r + g * g + b * b);
-            table[(y + 1) * (width + 1) + x + 1] = table[y * (width + 1) + x + 1].wrapping_add(row);
-        }
-    }
-    table
-}
 
 /// How blocks match the picture that was synthesised before (thesis chapter 6).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -405,7 +140,7 @@ impl Quilt {
         params: &QuiltParams,
         guide: Option<QuiltGuide>,
     ) -> Result<Self> {
-        params.validate(sample.size, output)?;
+        params.validate(sample.size(), output)?;
         if let Some(guide) = &guide {
             if !(1..=0xffff).contains(&guide.paint) {
                 return Err(Error::parameter("paint of the guide", guide.paint, "1 to 65535"));
@@ -419,12 +154,12 @@ impl Quilt {
         let previous = guide.as_ref().and_then(|guide| guide.previous);
         let previous_weight = previous.map(|weight| weight.units(params.block_px)).transpose()?;
         let layout = Layout::new(params, output)?;
-        let all_columns = sample.size.0 - params.block_px + 1;
+        let all_columns = sample.size().0 - params.block_px + 1;
         let columns = match &guide {
             Some(guide) => all_columns.min(guide.window_px.saturating_mul(2).saturating_add(1)),
             None => all_columns,
         };
-        let rows = Rows::new(params, sample.size.1, columns, 0, 1);
+        let rows = Rows::new(params, sample.size().1, columns, 0, 1);
         let (groups_per_block, block_bytes) = (rows.groups, rows.block_bytes());
         let longest = layout.waves.iter().map(Vec::len).max().unwrap_or(1) as u64;
         let batch = (ERRORS_BYTES / block_bytes).clamp(1, longest) as u32;
@@ -450,7 +185,7 @@ impl Quilt {
         let errors = storage("quilt errors", block_bytes * u64::from(batch))?;
         let minima = storage("quilt group minima", u64::from(groups_per_block) * u64::from(batch) * 4)?;
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
-        let guide_image = guide.as_ref().map_or(&sample.image, |guide| &guide.image);
+        let guide_image = guide.as_ref().map_or(sample.image(), |guide| &guide.image);
         let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), (&blocks).into()])?;
         let most_groups = context.caps().max_group_count_x;
         let order_list: Vec<u32> = layout.waves.iter().flatten().copied().collect();
@@ -481,7 +216,7 @@ impl Quilt {
             stages: stages.clone(),
             params: *params,
             layout,
-            sample_size: sample.size,
+            sample_size: sample.size(),
             guide,
             canvas,
             source,
@@ -688,73 +423,6 @@ impl Quilt {
             })
         });
         Ok(placed.collect())
-    }
-}
-
-/// Which size of chunk (4, 5 or 6 texels) wastes least at the ends of the runs of an L: rows as wide as the block, and
-/// rows as wide as the overlap.
-fn chunk(params: &QuiltParams) -> usize {
-    let (block, overlap) = (params.block_px, params.overlap_px);
-    let padded = |run: u32, chunk: u32| run.div_ceil(chunk) * chunk;
-    let work = |i: &usize| {
-        let chunk = 4 + *i as u32;
-        overlap * padded(block, chunk) + (block - overlap) * padded(overlap, chunk)
-    };
-    (0..3).min_by_key(work).unwrap_or_default()
-}
-
-/// What the stages that place blocks are bound to.
-pub(super) struct Targets<'a> {
-    pub stages: &'a QuiltStages,
-    pub sample: &'a SampleTexels,
-    pub canvas: &'a Image,
-    pub source: &'a Image,
-    pub blocks: &'a Buffer,
-    pub order: &'a Buffer,
-    pub errors: &'a Buffer,
-    pub minima: &'a Buffer,
-}
-
-impl Targets<'_> {
-    fn buffers(&self) -> [Bound; 4] {
-        [self.blocks.into(), self.order.into(), self.errors.into(), self.minima.into()]
-    }
-
-    fn search_set(&self, context: &Context, chunk: usize) -> Result<BindingSet> {
-        let images = [(&self.sample.image).into(), (&self.sample.squares).into(), self.canvas.into()];
-        BindingSet::new(context, &self.stages.search[chunk], &[&images[..], &self.buffers()].concat())
-    }
-
-    /// For a search that matches `previous` too, if it does.
-    pub fn match_set(&self, context: &Context, previous: &Image) -> Result<BindingSet> {
-        let images = [(&self.sample.image).into(), self.canvas.into(), previous.into()];
-        BindingSet::new(context, &self.stages.matching[0], &[&images[..], &self.buffers()].concat())
-    }
-
-    pub fn place_set(&self, context: &Context) -> Result<BindingSet> {
-        let images = [(&self.sample.image).into(), self.canvas.into(), self.source.into()];
-        BindingSet::new(context, &self.stages.place, &[&images[..], &self.buffers()].concat())
-    }
-}
-
-/// Which rows of positions are compared, and how many groups of positions that makes for a block.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Rows {
-    pub first: u32,
-    pub step: u32,
-    pub groups: u32,
-}
-
-impl Rows {
-    /// Every `step`th row of a sample, from `first` on, for blocks that are searched at up to `columns` columns.
-    pub fn new(params: &QuiltParams, sample_height: u32, columns: u32, first: u32, step: u32) -> Self {
-        let rows = (sample_height - params.block_px - first) / step + 1;
-        Rows { first, step, groups: (columns.div_ceil(TILE) * rows).div_ceil(GROUP) }
-    }
-
-    /// Bytes of the errors of a block.
-    pub fn block_bytes(&self) -> u64 {
-        u64::from(self.groups) * u64::from(GROUP * TILE) * 4
     }
 }
 

@@ -11,7 +11,8 @@
 //! The technique carries the places and draws from them; [`super::repair_oracle`] is the plain CPU twin.
 
 use super::params::{Layout, QuiltParams};
-use super::quilt::{Quilt, QuiltGuide, Rows, SampleTexels, Targets, ERRORS_BYTES};
+use super::quilt::{Quilt, QuiltGuide, SampleTexels, ERRORS_BYTES};
+use super::quilt_stages::{Rows, Targets};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, Recorder, Shader,
 };

@@ -1,0 +1,273 @@
+//! The stages that quilting and repairs are made of: their shaders, what they share with them, and what they are bound
+//! to. [`super::quilt`] and [`super::repair`] say in which order they run.
+
+use super::params::QuiltParams;
+use super::repair::FitPush;
+use super::sample::SampleTexels;
+use crate::gpu::{Access, BindingKind, BindingSet, Bound, Buffer, ComputePipeline, Context, Image, Shader};
+use crate::Result;
+use std::sync::Arc;
+
+/// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
+pub(super) const GROUP: u32 = 128;
+pub(super) const TILE: u32 = 8;
+
+pub(crate) const QUILT_GUIDE: Shader = Shader {
+    name: "quilt_guide",
+    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_guide.comp.spv"),
+    bindings: &[BindingKind::Image(Access::ComputeRead), BindingKind::Buffer(Access::ComputeReadWrite)],
+    push_bytes: size_of::<GuidePush>() as u32,
+};
+
+pub(crate) const QUILT_SEARCH: Shader = Shader {
+    name: "quilt_search",
+    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_search.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeWrite),
+        BindingKind::Buffer(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<SearchPush>() as u32,
+};
+
+pub(crate) const QUILT_MATCH: Shader = Shader {
+    name: "quilt_match",
+    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_match.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeWrite),
+        BindingKind::Buffer(Access::ComputeWrite),
+    ],
+    push_bytes: size_of::<MatchPush>() as u32,
+};
+
+pub(crate) const QUILT_PLACE: Shader = Shader {
+    name: "quilt_place",
+    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_place.comp.spv"),
+    bindings: &[
+        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeReadWrite),
+        BindingKind::Image(Access::ComputeWrite),
+        BindingKind::Buffer(Access::ComputeReadWrite),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
+    ],
+    push_bytes: size_of::<PlacePush>() as u32,
+};
+
+/// `Block` of quilt.glsl.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct BlockData {
+    pub x: u32,
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
+    pub sx0: u32,
+    pub sx1: u32,
+    pub state: u32,
+    pub sx: u32,
+    pub sy: u32,
+    pub error: u32,
+    pub min_error: u32,
+}
+
+pub(super) const STATE_PLACED: u32 = 2;
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(super) struct GuidePush {
+    pub output: [u32; 2],
+    pub sample_width: u32,
+    pub block_px: u32,
+    pub guided: u32,
+    pub paint: u32,
+    pub window_px: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(super) struct SearchPush {
+    pub output: [u32; 2],
+    pub sample_height: u32,
+    pub block_px: u32,
+    pub overlap_px: u32,
+    pub tileable: u32,
+    pub columns: u32,
+    pub rows: u32,
+    pub first_block: u32,
+    pub first_group: u32,
+    pub groups_per_block: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(super) struct MatchPush {
+    pub output: [u32; 2],
+    pub sample_height: u32,
+    pub block_px: u32,
+    pub overlap_px: u32,
+    pub tileable: u32,
+    pub columns: u32,
+    pub rows: u32,
+    pub first_block: u32,
+    pub first_group: u32,
+    pub groups_per_block: u32,
+    pub canvas_weight: u32,
+    pub previous_weight: u32,
+    pub first_row: u32,
+    pub row_step: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(super) struct PlacePush {
+    pub output: [u32; 2],
+    pub sample_height: u32,
+    pub block_px: u32,
+    pub overlap_px: u32,
+    pub tileable: u32,
+    pub first_block: u32,
+    pub groups_per_block: u32,
+    pub columns: u32,
+    pub rows: u32,
+    pub tolerance: u32,
+    pub seed: u32,
+    pub frame: u32,
+    pub first_row: u32,
+    pub row_step: u32,
+}
+
+/// A structure that Rust and GLSL share: its file below glsl/, its name there, its size, and Rust's fields with their
+/// offsets. Only for the test that compares the two.
+#[doc(hidden)]
+pub type SharedStruct = (&'static str, &'static str, usize, Vec<(&'static str, usize)>);
+
+/// The structures that the stages share with their shaders.
+#[doc(hidden)]
+pub fn shared_structs() -> Vec<SharedStruct> {
+    macro_rules! shared {
+        ($file:literal, $glsl:literal, $rust:ty, $($field:ident)*) => {
+            ($file, $glsl, size_of::<$rust>(), vec![$((stringify!($field), std::mem::offset_of!($rust, $field))),*])
+        };
+    }
+    vec![
+        shared!("synthesis/quilt.glsl", "struct Block", BlockData,
+            x y width height sx0 sx1 state sx sy error min_error),
+        shared!("synthesis/quilt_guide.comp", "uniform Push", GuidePush,
+            output sample_width block_px guided paint window_px),
+        shared!("synthesis/quilt_search.comp", "uniform Push", SearchPush,
+            output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block),
+        shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,
+            output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
+            canvas_weight previous_weight first_row row_step),
+        shared!("synthesis/repair_fit.comp", "uniform Push", FitPush,
+            sample_width block_px overlap_px columns rows paint window_px slack capacity band_rows),
+        shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
+            output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
+            frame first_row row_step),
+    ]
+}
+
+/// The compiled stages; one for a context serves every quilting.
+pub struct QuiltStages {
+    pub(super) guide: ComputePipeline,
+    /// One for each size of chunk, 4, 5 and 6.
+    pub(super) search: [ComputePipeline; 3],
+    /// Without and with another picture to match.
+    pub(super) matching: [ComputePipeline; 2],
+    pub(super) place: ComputePipeline,
+}
+
+impl QuiltStages {
+    /// Compiles the stages.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`] when a call fails.
+    pub fn new(context: &Context) -> Result<Arc<Self>> {
+        let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk]);
+        let matching = |previous| ComputePipeline::specialized(context, &QUILT_MATCH, &[previous]);
+        Ok(Arc::new(QuiltStages {
+            guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
+            search: [search(4)?, search(5)?, search(6)?],
+            matching: [matching(0)?, matching(1)?],
+            place: ComputePipeline::new(context, &QUILT_PLACE)?,
+        }))
+    }
+}
+
+/// Which size of chunk (4, 5 or 6 texels) wastes least at the ends of the runs of an L: rows as wide as the block, and
+/// rows as wide as the overlap.
+pub(super) fn chunk(params: &QuiltParams) -> usize {
+    let (block, overlap) = (params.block_px, params.overlap_px);
+    let padded = |run: u32, chunk: u32| run.div_ceil(chunk) * chunk;
+    let work = |i: &usize| {
+        let chunk = 4 + *i as u32;
+        overlap * padded(block, chunk) + (block - overlap) * padded(overlap, chunk)
+    };
+    (0..3).min_by_key(work).unwrap_or_default()
+}
+
+/// What the stages that place blocks are bound to.
+pub(super) struct Targets<'a> {
+    pub stages: &'a QuiltStages,
+    pub sample: &'a SampleTexels,
+    pub canvas: &'a Image,
+    pub source: &'a Image,
+    pub blocks: &'a Buffer,
+    pub order: &'a Buffer,
+    pub errors: &'a Buffer,
+    pub minima: &'a Buffer,
+}
+
+impl Targets<'_> {
+    fn buffers(&self) -> [Bound; 4] {
+        [self.blocks.into(), self.order.into(), self.errors.into(), self.minima.into()]
+    }
+
+    pub fn search_set(&self, context: &Context, chunk: usize) -> Result<BindingSet> {
+        let images = [self.sample.image().into(), self.sample.squares().into(), self.canvas.into()];
+        BindingSet::new(context, &self.stages.search[chunk], &[&images[..], &self.buffers()].concat())
+    }
+
+    /// For a search that matches `previous` too, if it does.
+    pub fn match_set(&self, context: &Context, previous: &Image) -> Result<BindingSet> {
+        let images = [self.sample.image().into(), self.canvas.into(), previous.into()];
+        BindingSet::new(context, &self.stages.matching[0], &[&images[..], &self.buffers()].concat())
+    }
+
+    pub fn place_set(&self, context: &Context) -> Result<BindingSet> {
+        let images = [self.sample.image().into(), self.canvas.into(), self.source.into()];
+        BindingSet::new(context, &self.stages.place, &[&images[..], &self.buffers()].concat())
+    }
+}
+
+/// Which rows of positions are compared, and how many groups of positions that makes for a block.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rows {
+    pub first: u32,
+    pub step: u32,
+    pub groups: u32,
+}
+
+impl Rows {
+    /// Every `step`th row of a sample, from `first` on, for blocks that are searched at up to `columns` columns.
+    pub fn new(params: &QuiltParams, sample_height: u32, columns: u32, first: u32, step: u32) -> Self {
+        let rows = (sample_height - params.block_px - first) / step + 1;
+        Rows { first, step, groups: (columns.div_ceil(TILE) * rows).div_ceil(GROUP) }
+    }
+
+    /// Bytes of the errors of a block.
+    pub fn block_bytes(&self) -> u64 {
+        u64::from(self.groups) * u64::from(GROUP * TILE) * 4
+    }
+}
