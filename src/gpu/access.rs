@@ -23,6 +23,8 @@ pub enum Access {
     ComputeWrite,
     /// Read by a compute shader through a sampler.
     ComputeSampled,
+    /// Read by a compute shader as a uniform buffer.
+    ComputeUniform,
     /// Read and written by a compute shader.
     ComputeReadWrite,
     /// Read by a fragment shader as a storage image.
@@ -65,6 +67,7 @@ impl Access {
             Access::TransferDiscard => (S::TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true, true),
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_READ, L::GENERAL, false, false),
             Access::ComputeSampled => (S::COMPUTE_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false, false),
+            Access::ComputeUniform => (S::COMPUTE_SHADER, A::UNIFORM_READ, L::UNDEFINED, false, false),
             Access::ComputeWrite => (S::COMPUTE_SHADER, A::SHADER_WRITE, L::GENERAL, true, false),
             Access::ComputeReadWrite => (S::COMPUTE_SHADER, A::SHADER_READ | A::SHADER_WRITE, L::GENERAL, true, false),
             Access::FragmentRead => (S::FRAGMENT_SHADER, A::SHADER_READ, L::GENERAL, false, false),
@@ -82,6 +85,11 @@ impl Access {
             Access::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false, false),
         };
         AccessInfo { stages, access, layout, writes, discards }
+    }
+
+    /// Its place in a set of accesses.
+    fn bit(self) -> u32 {
+        1 << self as u32
     }
 }
 
@@ -108,10 +116,9 @@ pub struct ResourceState {
     write_stages: vk::PipelineStageFlags,
     write_access: vk::AccessFlags,
     read_stages: vk::PipelineStageFlags,
-    /// Stages and accesses that the last write is visible to already. Kept as two sets, which is exact as long as no
-    /// stage reads in two ways (see the table).
-    visible_stages: vk::PipelineStageFlags,
-    visible_access: vk::AccessFlags,
+    /// The ways of reading that the last write is visible to already, a bit for each [`Access`]. A stage may read in
+    /// two ways, and a write made visible to one of them is not visible to the other.
+    visible: u32,
     layout: vk::ImageLayout,
 }
 
@@ -128,8 +135,7 @@ impl ResourceState {
             write_stages: vk::PipelineStageFlags::empty(),
             write_access: vk::AccessFlags::empty(),
             read_stages: vk::PipelineStageFlags::empty(),
-            visible_stages: vk::PipelineStageFlags::empty(),
-            visible_access: vk::AccessFlags::empty(),
+            visible: 0,
             layout: vk::ImageLayout::UNDEFINED,
         }
     }
@@ -150,7 +156,7 @@ impl ResourceState {
         let info = next.info();
         let relayout = image && self.layout != info.layout;
         let written = !self.write_stages.is_empty();
-        let seen = self.visible_stages.contains(info.stages) && self.visible_access.contains(info.access);
+        let seen = self.visible & next.bit() != 0;
         let needed = relayout || if info.writes { written || !self.read_stages.is_empty() } else { written && !seen };
         let barrier = needed.then(|| {
             // A write waits for the reads; a pure read waits only for the write. With nothing before it (a first
@@ -179,20 +185,17 @@ impl ResourceState {
             self.write_stages = info.stages;
             self.write_access = info.access;
             self.read_stages = vk::PipelineStageFlags::empty();
-            self.visible_stages = vk::PipelineStageFlags::empty();
-            self.visible_access = vk::AccessFlags::empty();
+            self.visible = 0;
         } else {
             if relayout {
                 // The layout change is the last write now; it is visible to this read only.
                 self.write_stages = info.stages;
                 self.write_access = vk::AccessFlags::empty();
                 self.read_stages = vk::PipelineStageFlags::empty();
-                self.visible_stages = vk::PipelineStageFlags::empty();
-                self.visible_access = vk::AccessFlags::empty();
+                self.visible = 0;
             }
             self.read_stages |= info.stages;
-            self.visible_stages |= info.stages;
-            self.visible_access |= info.access;
+            self.visible |= next.bit();
         }
         barrier
     }
@@ -225,6 +228,27 @@ mod tests {
         assert_eq!(got[2], None, "the write is visible to this stage already");
         let copy = got[3].expect("another stage has not seen the write");
         assert_eq!((copy.src_access, copy.dst_access), (A::SHADER_WRITE, A::TRANSFER_READ));
+    }
+
+    #[test]
+    fn a_stage_that_reads_in_two_ways_waits_once_for_each() {
+        use Access::{ComputeRead, ComputeUniform, ComputeWrite, FragmentRead};
+        for (one, other) in [(ComputeUniform, ComputeRead), (ComputeRead, ComputeUniform)] {
+            let got = states(&[ComputeWrite, one, other, one, other], false);
+            for (barrier, read) in [(got[1], one), (got[2], other)] {
+                let barrier = barrier.expect("the write is not visible to this way of reading");
+                assert_eq!((barrier.src_stages, barrier.src_access), (S::COMPUTE_SHADER, A::SHADER_WRITE));
+                assert_eq!((barrier.dst_stages, barrier.dst_access), (S::COMPUTE_SHADER, read.info().access));
+            }
+            assert_eq!(got[3..], [None, None], "the write is visible to both");
+        }
+        assert_eq!(ComputeUniform.info().access, A::UNIFORM_READ);
+        // The same way of reading in another stage, and another way in the same one, do not add up to a third.
+        let got = states(&[ComputeWrite, ComputeUniform, FragmentRead, ComputeRead], false);
+        assert!(got[3].is_some(), "the write is not visible to storage reads of the compute stage");
+        let got = states(&[ComputeWrite, ComputeUniform, ComputeWrite, ComputeUniform], false);
+        assert!(got[2].is_some_and(|war| war.src_stages == S::COMPUTE_SHADER), "a write waits for uniform reads");
+        assert!(got[3].is_some(), "what was visible of the first write is not visible of the second");
     }
 
     #[test]

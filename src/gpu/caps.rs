@@ -186,6 +186,10 @@ pub struct Caps {
     pub max_image_3d_px: u32,
     /// Largest range of one storage buffer, bytes (128 MiB at least).
     pub max_storage_buffer_bytes: u64,
+    /// Largest range of one uniform buffer, bytes (16 KiB at least).
+    pub max_uniform_buffer_bytes: u64,
+    /// What the start of a range of a uniform buffer is a multiple of, bytes (a power of two, 256 at most).
+    pub uniform_alignment_bytes: u64,
     /// Largest x count of workgroups in a dispatch (65,535 at least).
     pub max_group_count_x: u32,
     /// The depth format that guide passes use.
@@ -215,6 +219,8 @@ impl Caps {
             max_image_2d_px: p.limits.max_image_dimension2_d,
             max_image_3d_px: p.limits.max_image_dimension3_d,
             max_storage_buffer_bytes: u64::from(p.limits.max_storage_buffer_range),
+            max_uniform_buffer_bytes: u64::from(p.limits.max_uniform_buffer_range),
+            uniform_alignment_bytes: p.limits.min_uniform_buffer_offset_alignment,
             max_group_count_x: p.limits.max_compute_work_group_count[0],
             // One of the two is promised by every Vulkan device.
             depth_format: if has_d32 { vk::Format::D32_SFLOAT } else { vk::Format::X8_D24_UNORM_PACK32 },
