@@ -3,7 +3,7 @@
 use crate::gpu::{RasterShader, Shader};
 use crate::metric;
 use crate::scene;
-use crate::synthesis::{quilt_stages, repair, tile_mask, volume};
+use crate::synthesis::{prune, quilt_stages, repair, tile_mask, volume};
 use crate::technique::{aligned, dependent, image, object};
 
 /// The table of each compute shader, with the path of its source below glsl/. A test fails when one is missing.
@@ -12,6 +12,10 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
         ("synthesis/quilt_guide.comp", quilt_stages::QUILT_GUIDE),
         ("synthesis/quilt_search.comp", quilt_stages::QUILT_SEARCH),
         ("synthesis/quilt_match.comp", quilt_stages::QUILT_MATCH),
+        ("synthesis/quilt_aim.comp", prune::QUILT_AIM),
+        ("synthesis/quilt_template.comp", prune::QUILT_TEMPLATE),
+        ("synthesis/quilt_bound.comp", prune::QUILT_BOUND),
+        ("synthesis/quilt_compare.comp", prune::QUILT_COMPARE),
         ("synthesis/quilt_place.comp", quilt_stages::QUILT_PLACE),
         ("synthesis/repair_fit.comp", repair::REPAIR_FIT),
         ("synthesis/tile_mask.comp", tile_mask::TILE_MASK),

@@ -51,3 +51,16 @@ uint squared_difference(uint a, uint b) {
     ivec3 d = ivec3(unpack_rgb(a)) - ivec3(unpack_rgb(b));
     return uint(d.x * d.x + d.y * d.y + d.z * d.z);
 }
+
+// Largest error that is still chosen: least + floor(least * tolerance / 10,000), or 2^32 - 1 where that does not fit.
+uint threshold(uint least, uint tolerance) {
+    uint whole = least / 10000u;
+    uint high;
+    uint product;
+    umulExtended(whole, tolerance, high, product);
+    uint carry;
+    uint sum = uaddCarry(product, (least % 10000u) * tolerance / 10000u, carry);
+    uint carry_least;
+    sum = uaddCarry(sum, least, carry_least);
+    return high != 0 || carry != 0 || carry_least != 0 ? 0xffffffffu : sum;
+}

@@ -7,7 +7,7 @@
 // differences, by dynamic programming, ties to the lowest index (thesis 3.2.2; Efros and Freeman 2001).
 // Paste: a painted pixel beyond a cut stays as it is, every other one takes the new block's texel.
 // A neighbour may be placed on any side: those to the right and below are where texture was carried along.
-// In:  errors and group minima of this wave's search.  Out: canvas, source coordinates, the blocks' records.
+// In:  errors and group minima of this wave's search, and, if it was pruned, which tiles have errors.  Out: canvas, source coordinates, the blocks' records.
 #extension GL_GOOGLE_include_directive : require
 #include "quilt.glsl"
 
@@ -17,10 +17,11 @@ layout(binding = 0, r32ui) uniform readonly uimage2D sample_texels;
 layout(binding = 1, r32ui) uniform uimage2D canvas;
 // x + (y << 16) of the sample's texel that each pixel came from.
 layout(binding = 2, r32ui) uniform writeonly uimage2D source;
-layout(binding = 3, std430) buffer Blocks { Block blocks[]; };
-layout(binding = 4, std430) readonly buffer Order { uint order[]; };
-layout(binding = 5, std430) readonly buffer Errors { uvec4 errors[]; };
-layout(binding = 6, std430) readonly buffer GroupMinima { uint group_minima[]; };
+layout(binding = 3, r32ui) uniform readonly uimage2D survivors;
+layout(binding = 4, std430) buffer Blocks { Block blocks[]; };
+layout(binding = 5, std430) readonly buffer Order { uint order[]; };
+layout(binding = 6, std430) readonly buffer Errors { uvec4 errors[]; };
+layout(binding = 7, std430) readonly buffer GroupMinima { uint group_minima[]; };
 
 layout(push_constant) uniform Push {
     uint output_width, output_height;
@@ -35,9 +36,15 @@ layout(push_constant) uniform Push {
     uint seed, frame;
     // The rows of positions that were compared: first_row, first_row + row_step, ...
     uint first_row, row_step;
+    // Rows of `survivors` that a block has.
+    uint survivor_rows;
 } push;
 
+// Whether only the tiles that are left in `survivors` were compared.
+layout(constant_id = 0) const bool PRUNED = false;
+
 #include "fields.glsl"
+#include "survivors.glsl"
 
 const uint LEFT = 0;
 const uint TOP = 1;
@@ -52,17 +59,12 @@ shared uint in_span[GROUP];
 shared uvec2 position;
 shared uint position_error;
 
-// min + floor(min * tolerance / 10,000), or 2^32 - 1 where that does not fit.
-uint threshold(uint least) {
-    uint whole = least / 10000u;
-    uint high;
-    uint product;
-    umulExtended(whole, push.tolerance, high, product);
-    uint carry;
-    uint sum = uaddCarry(product, (least % 10000u) * push.tolerance / 10000u, carry);
-    uint carry_least;
-    sum = uaddCarry(sum, least, carry_least);
-    return high != 0 || carry != 0 || carry_least != 0 ? 0xffffffffu : sum;
+bool is_left(uint slot, uint tile) {
+    if (!PRUNED) {
+        return true;
+    }
+    uint word = imageLoad(survivors, survivor_word(slot, push.survivor_rows, tile)).r;
+    return (word >> survivor_bit(tile) & 255u) != 0;
 }
 
 uint admissible_of(uvec4 e, uint limit) {
@@ -88,7 +90,7 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
     }
     barrier();
     least = scratch[0];
-    uint limit = threshold(least);
+    uint limit = threshold(least, push.tolerance);
 
     // How many are admissible, in each of GROUP spans of groups and in all.
     uint span = (groups + GROUP - 1) / GROUP;
@@ -97,8 +99,10 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
         uint end = min(begin + span, groups);
         for (uint group = begin; group < end; group++) {
             if (group_minima[first + group] <= limit) {
-                uint place = ((first + group) * GROUP + lane) * 2;
-                mine += admissible_of(errors[place], limit) + admissible_of(errors[place + 1], limit);
+                if (is_left(slot, group * GROUP + lane)) {
+                    uint place = ((first + group) * GROUP + lane) * 2;
+                    mine += admissible_of(errors[place], limit) + admissible_of(errors[place + 1], limit);
+                }
             }
         }
         if (mine > 0) {
@@ -128,8 +132,9 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
             continue;
         }
         uint place = ((first + group) * GROUP + lane) * 2;
-        uvec4 a = errors[place];
-        uvec4 b = errors[place + 1];
+        bool here = is_left(slot, group * GROUP + lane);
+        uvec4 a = here ? errors[place] : uvec4(0xffffffffu);
+        uvec4 b = here ? errors[place + 1] : uvec4(0xffffffffu);
         uint mine_here = admissible_of(a, limit) + admissible_of(b, limit);
         barrier();
         scratch[lane] = mine_here;

@@ -148,6 +148,16 @@ pub fn list_devices() -> Result<Vec<DeviceInfo>> {
     Ok(listed?.into_iter().map(|(_, info)| info).collect())
 }
 
+fn kind(device: vk::PhysicalDeviceType) -> DeviceKind {
+    match device {
+        vk::PhysicalDeviceType::DISCRETE_GPU => DeviceKind::Discrete,
+        vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceKind::Integrated,
+        vk::PhysicalDeviceType::VIRTUAL_GPU => DeviceKind::Virtual,
+        vk::PhysicalDeviceType::CPU => DeviceKind::Cpu,
+        _ => DeviceKind::Other,
+    }
+}
+
 pub(crate) fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice, index: usize) -> DeviceInfo {
     let mut id = vk::PhysicalDeviceIDProperties::default();
     let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut id);
@@ -158,13 +168,7 @@ pub(crate) fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice, i
     DeviceInfo {
         index,
         name: name.to_string_lossy().into_owned(),
-        kind: match p.device_type {
-            vk::PhysicalDeviceType::DISCRETE_GPU => DeviceKind::Discrete,
-            vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceKind::Integrated,
-            vk::PhysicalDeviceType::VIRTUAL_GPU => DeviceKind::Virtual,
-            vk::PhysicalDeviceType::CPU => DeviceKind::Cpu,
-            _ => DeviceKind::Other,
-        },
+        kind: kind(p.device_type),
         uuid: Uuid(id.device_uuid),
         vendor_id: p.vendor_id,
         device_id: p.device_id,
@@ -176,6 +180,8 @@ pub(crate) fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice, i
 /// The limits of one device that the crate looks at.
 #[derive(Debug, Clone)]
 pub struct Caps {
+    /// What kind of device it is.
+    pub kind: DeviceKind,
     /// Nanoseconds per timestamp tick; timestamps are off where the queue has none.
     pub timestamp_period_ns: f32,
     /// Valid bits of a timestamp on the queue family in use; 0: no timestamps.
@@ -214,6 +220,7 @@ impl Caps {
         };
         let has_d32 = d32.optimal_tiling_features.contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT);
         Caps {
+            kind: kind(p.device_type),
             timestamp_period_ns: p.limits.timestamp_period,
             timestamp_bits: families.get(queue_family as usize).map_or(0, |f| f.timestamp_valid_bits),
             max_image_2d_px: p.limits.max_image_dimension2_d,

@@ -442,6 +442,7 @@ mod tests {
     #[test]
     fn ranges_that_cannot_be_a_uniform_buffers_are_refused() {
         let caps = Caps {
+            kind: crate::gpu::DeviceKind::Cpu,
             timestamp_period_ns: 1.0,
             timestamp_bits: 64,
             max_image_2d_px: 4096,

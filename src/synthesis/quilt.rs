@@ -11,6 +11,7 @@
 //! texels) and, for each pixel, where in the sample it came from.
 
 use super::params::{BlockRecord, Layout, QuiltParams};
+use super::prune::Prune;
 use super::quilt_stages::{
     chunk, BlockData, GuidePush, MatchPush, PlacePush, Rows, SearchPush, Targets, GROUP, STATE_PLACED, TILE,
 };
@@ -20,7 +21,7 @@ use ash::vk;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use super::quilt_stages::QuiltStages;
+pub use super::quilt_stages::{Pruning, QuiltStages};
 pub use super::sample::SampleTexels;
 
 /// Blocks in a row of `quilt_guide`'s workgroups; every device allows more.
@@ -93,6 +94,8 @@ enum Step {
 enum Search {
     /// What is painted in its overlaps.
     Overlap(BindingSet),
+    /// The same, without positions that cannot be chosen.
+    Pruned(Box<Prune>),
     /// What is painted in its overlaps, and another picture; how much a pixel of either counts.
     Weighted { set: BindingSet, weights: [u32; 2] },
 }
@@ -160,9 +163,15 @@ impl Quilt {
             None => all_columns,
         };
         let rows = Rows::new(params, sample.size().1, columns, 0, 1);
+        let blocks = layout.placements.len() as u64;
         let (groups_per_block, block_bytes) = (rows.groups, rows.block_bytes());
         let longest = layout.waves.iter().map(Vec::len).max().unwrap_or(1) as u64;
-        let batch = (ERRORS_BYTES / block_bytes).clamp(1, longest) as u32;
+        let windowed = guide.is_some();
+        let pruned = previous_weight.is_none()
+            && Prune::possible(context, params, sample.size())
+            && stages.prunes(context, group_comparisons(params) * u64::from(groups_per_block) * blocks);
+        let most = if pruned { Prune::most_blocks(context, groups_per_block) } else { u32::MAX };
+        let batch = (ERRORS_BYTES / block_bytes).min(u64::from(most)).clamp(1, longest) as u32;
 
         let data: Vec<BlockData> = layout
             .placements
@@ -205,12 +214,18 @@ impl Quilt {
             (Some(previous), Some(weight)) => {
                 Search::Weighted { set: targets.match_set(context, previous)?, weights: [OVERLAP_WEIGHT, weight] }
             }
+            _ if pruned => {
+                let size = (batch, groups_per_block);
+                Search::Pruned(Box::new(Prune::new(context, uploads, &targets, params, &layout, size, windowed)?))
+            }
             _ => Search::Overlap(targets.search_set(context, chunk(params))?),
         };
+        let survivors = if let Search::Pruned(prune) = &search { Some(prune.survivors()) } else { None };
+        let place_set = targets.place_set(context, survivors)?;
         let waves = Waves {
             search,
-            place_set: targets.place_set(context)?,
-            steps: steps(params, &layout.waves, groups_per_block, batch, most_groups),
+            place_set,
+            steps: steps(params, &layout.waves, groups_per_block, batch, if pruned { u32::MAX } else { most_groups }),
         };
         Ok(Quilt {
             stages: stages.clone(),
@@ -357,6 +372,7 @@ impl Quilt {
             frame,
             first_row: rows.first,
             row_step: rows.step,
+            survivor_rows: 0,
         }
     }
 
@@ -366,9 +382,14 @@ impl Quilt {
             match step.clone() {
                 Step::Search { blocks, groups } => self.record_search(recorder, rows, blocks, groups),
                 Step::Place { blocks } => {
-                    let push = self.place_push(blocks.start, rows, self.params.tolerance, seed, frame);
+                    let mut push = self.place_push(blocks.start, rows, self.params.tolerance, seed, frame);
                     let count = [blocks.len() as u32, 1, 1];
-                    recorder.dispatch(&self.stages.place, &self.waves.place_set, &push, count);
+                    let mut pruned = 0;
+                    if let Search::Pruned(prune) = &self.waves.search {
+                        push.survivor_rows = prune.survivor_rows();
+                        pruned = 1;
+                    }
+                    recorder.dispatch(&self.stages.place[pruned], &self.waves.place_set, &push, count);
                 }
             }
         }
@@ -377,21 +398,24 @@ impl Quilt {
     fn record_search(&self, recorder: &mut Recorder<'_>, rows: Rows, blocks: Range<u32>, groups: Range<u32>) {
         let params = &self.params;
         let count = [groups.len() as u32, blocks.len() as u32, 1];
+        let push = SearchPush {
+            output: [self.layout.output.0, self.layout.output.1],
+            sample_height: self.sample_size.1,
+            block_px: params.block_px,
+            overlap_px: params.overlap_px,
+            tileable: u32::from(params.tileable),
+            columns: self.layout.columns,
+            rows: self.layout.rows,
+            first_block: blocks.start,
+            first_group: groups.start,
+            groups_per_block: self.groups_per_block,
+            tolerance: params.tolerance_e4(),
+            survivor_rows: 0,
+        };
         match &self.waves.search {
-            Search::Overlap(set) => {
-                let push = SearchPush {
-                    output: [self.layout.output.0, self.layout.output.1],
-                    sample_height: self.sample_size.1,
-                    block_px: params.block_px,
-                    overlap_px: params.overlap_px,
-                    tileable: u32::from(params.tileable),
-                    columns: self.layout.columns,
-                    rows: self.layout.rows,
-                    first_block: blocks.start,
-                    first_group: groups.start,
-                    groups_per_block: self.groups_per_block,
-                };
-                recorder.dispatch(&self.stages.search[chunk(params)], set, &push, count);
+            Search::Overlap(set) => recorder.dispatch(&self.stages.search[chunk(params)], set, &push, count),
+            Search::Pruned(prune) => {
+                prune.record(recorder, &self.stages.prune, (&push, chunk(params)), self.columns, blocks.len() as u32);
             }
             Search::Weighted { set, weights } => {
                 let push = MatchPush { first_group: groups.start, ..self.match_push(blocks.start, rows, *weights) };
@@ -426,11 +450,16 @@ impl Quilt {
     }
 }
 
-/// The steps of waves with their cost in pixel comparisons.
-fn steps(params: &QuiltParams, waves: &[Vec<u32>], groups: u32, batch: u32, most_groups: u32) -> Vec<(Step, u64)> {
+/// Pixel comparisons of a group of positions.
+fn group_comparisons(params: &QuiltParams) -> u64 {
     let (b, o) = (u64::from(params.block_px), u64::from(params.overlap_px));
     let overlap_px = if params.tileable { b * b - (b - 2 * o) * (b - 2 * o) } else { 2 * b * o - o * o };
-    let group_cost = u64::from(GROUP * TILE) * overlap_px;
+    u64::from(GROUP * TILE) * overlap_px
+}
+
+/// The steps of waves with their cost in pixel comparisons.
+fn steps(params: &QuiltParams, waves: &[Vec<u32>], groups: u32, batch: u32, most_groups: u32) -> Vec<(Step, u64)> {
+    let group_cost = group_comparisons(params);
     let mut steps = Vec::new();
     let mut first = 0;
     for wave in waves {

@@ -2,15 +2,19 @@
 //! to. [`super::quilt`] and [`super::repair`] say in which order they run.
 
 use super::params::QuiltParams;
+use super::prune::{BoundPush, PruneStages, TemplatePush};
 use super::repair::FitPush;
 use super::sample::SampleTexels;
-use crate::gpu::{Access, BindingKind, BindingSet, Bound, Buffer, ComputePipeline, Context, Image, Shader};
+use crate::gpu::{Access, BindingKind, BindingSet, Bound, Buffer, ComputePipeline, Context, DeviceKind, Image, Shader};
 use crate::Result;
 use std::sync::Arc;
 
 /// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
 pub(super) const GROUP: u32 = 128;
 pub(super) const TILE: u32 = 8;
+
+/// From so many pixel comparisons on, pruning pays for its preparation on a CPU device.
+const PRUNED_COMPARISONS: u64 = 100_000_000;
 
 pub(crate) const QUILT_GUIDE: Shader = Shader {
     name: "quilt_guide",
@@ -56,6 +60,7 @@ pub(crate) const QUILT_PLACE: Shader = Shader {
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeReadWrite),
         BindingKind::Image(Access::ComputeWrite),
+        BindingKind::Image(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeReadWrite),
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
@@ -107,6 +112,8 @@ pub(super) struct SearchPush {
     pub first_block: u32,
     pub first_group: u32,
     pub groups_per_block: u32,
+    pub tolerance: u32,
+    pub survivor_rows: u32,
 }
 
 #[repr(C)]
@@ -145,6 +152,7 @@ pub(super) struct PlacePush {
     pub frame: u32,
     pub first_row: u32,
     pub row_step: u32,
+    pub survivor_rows: u32,
 }
 
 /// A structure that Rust and GLSL share: its file below glsl/, its name there, its size, and Rust's fields with their
@@ -165,8 +173,14 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             x y width height sx0 sx1 state sx sy error min_error),
         shared!("synthesis/quilt_guide.comp", "uniform Push", GuidePush,
             output sample_width block_px guided paint window_px),
-        shared!("synthesis/quilt_search.comp", "uniform Push", SearchPush,
-            output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block),
+        shared!("synthesis/search_push.glsl", "uniform Push", SearchPush,
+            output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
+            tolerance survivor_rows),
+        shared!("synthesis/quilt_template.comp", "uniform Push", TemplatePush,
+            output block_px overlap_px tileable columns rows first_block vertical_px horizontal_px centre_r centre_g
+            centre_b kept_vertical kept_horizontal),
+        shared!("synthesis/quilt_bound.comp", "uniform Push", BoundPush,
+            position_columns position_rows first_slot survivor_rows),
         shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
             canvas_weight previous_weight first_row row_step),
@@ -174,8 +188,20 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             sample_width block_px overlap_px columns rows paint window_px slack capacity band_rows),
         shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
             output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
-            frame first_row row_step),
+            frame first_row row_step survivor_rows),
     ]
+}
+
+/// Whether a search leaves out positions that cannot be chosen. The texture is the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pruning {
+    /// Where it is expected to pay.
+    #[default]
+    Auto,
+    /// Wherever it is possible.
+    On,
+    /// Every allowed position is compared.
+    Off,
 }
 
 /// The compiled stages; one for a context serves every quilting.
@@ -185,7 +211,10 @@ pub struct QuiltStages {
     pub(super) search: [ComputePipeline; 3],
     /// Without and with another picture to match.
     pub(super) matching: [ComputePipeline; 2],
-    pub(super) place: ComputePipeline,
+    /// After a full search and after a pruned one.
+    pub(super) place: [ComputePipeline; 2],
+    pub(super) prune: PruneStages,
+    pruning: Pruning,
 }
 
 impl QuiltStages {
@@ -194,14 +223,34 @@ impl QuiltStages {
     /// # Errors
     /// [`crate::Error::Vulkan`] when a call fails.
     pub fn new(context: &Context) -> Result<Arc<Self>> {
+        Self::with_pruning(context, Pruning::Auto)
+    }
+
+    /// Compiles the stages, for searches that are pruned or not.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`] when a call fails.
+    pub fn with_pruning(context: &Context, pruning: Pruning) -> Result<Arc<Self>> {
         let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk]);
+        let place = |pruned| ComputePipeline::specialized(context, &QUILT_PLACE, &[pruned]);
         let matching = |previous| ComputePipeline::specialized(context, &QUILT_MATCH, &[previous]);
         Ok(Arc::new(QuiltStages {
             guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
             search: [search(4)?, search(5)?, search(6)?],
             matching: [matching(0)?, matching(1)?],
-            place: ComputePipeline::new(context, &QUILT_PLACE)?,
+            place: [place(0)?, place(1)?],
+            prune: PruneStages::new(context)?,
+            pruning,
         }))
+    }
+
+    /// Whether to prune a search of so many pixel comparisons.
+    pub(super) fn prunes(&self, context: &Context, comparisons: u64) -> bool {
+        match self.pruning {
+            Pruning::Auto => context.caps().kind == DeviceKind::Cpu && comparisons >= PRUNED_COMPARISONS,
+            Pruning::On => true,
+            Pruning::Off => false,
+        }
     }
 }
 
@@ -245,9 +294,12 @@ impl Targets<'_> {
         BindingSet::new(context, &self.stages.matching[0], &[&images[..], &self.buffers()].concat())
     }
 
-    pub fn place_set(&self, context: &Context) -> Result<BindingSet> {
-        let images = [self.sample.image().into(), self.canvas.into(), self.source.into()];
-        BindingSet::new(context, &self.stages.place, &[&images[..], &self.buffers()].concat())
+    /// `survivors` are those of a pruned search.
+    pub fn place_set(&self, context: &Context, survivors: Option<&Image>) -> Result<BindingSet> {
+        // After a full search nothing is read, but the binding must have an image.
+        let survivors = survivors.unwrap_or(self.sample.image());
+        let images = [self.sample.image().into(), self.canvas.into(), self.source.into(), survivors.into()];
+        BindingSet::new(context, &self.stages.place[0], &[&images[..], &self.buffers()].concat())
     }
 }
 

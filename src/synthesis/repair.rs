@@ -189,7 +189,7 @@ impl Repair {
         };
         // No other picture is matched, but the binding must have one.
         let match_set = targets.match_set(context, &guide.image)?;
-        let place_set = targets.place_set(context)?;
+        let place_set = targets.place_set(context, None)?;
         let params = *params;
         Ok(Repair { stages: stages.clone(), params, guide, rounds, row_step, counts, fit_set, match_set, place_set })
     }
@@ -227,7 +227,7 @@ impl Repair {
             recorder.dispatch_indirect(&quilt.stages.matching[0], &self.match_set, &push, groups);
             let push = quilt.place_push(first, rows, self.params.tolerance, seed, frame);
             let groups = (&self.counts, offset + COUNT_BYTES / 2);
-            recorder.dispatch_indirect(&quilt.stages.place, &self.place_set, &push, groups);
+            recorder.dispatch_indirect(&quilt.stages.place[0], &self.place_set, &push, groups);
         }
     }
 }
