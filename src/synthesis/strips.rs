@@ -488,7 +488,7 @@ mod tests {
         StripShape { width: 4, height: 1 },
         StripShape { width: 1, height: 4 },
         StripShape { width: 1, height: 1 },
-        StripShape { width: 32, height: 32 },
+        StripShape { width: 7, height: 8 },
     ];
 
     fn picture(colour: impl Fn(u32, u32) -> [u32; 3]) -> Vec<[u8; 4]> {
@@ -551,12 +551,11 @@ mod tests {
         coordinates.iter().skip(position).step_by(positions).flatten().copied()
     }
 
-    /// The bounds of the errors of a strip at all positions of a sample.
-    fn bounds(basis: &StripBasis, coordinates: &[[f32; 4]], strip: &[[u8; 3]]) -> Vec<f32> {
+    /// The bound of the error of a strip at a position of a sample.
+    fn bounds<'a>(basis: &StripBasis, coordinates: &'a [[f32; 4]], strip: &[[u8; 3]]) -> impl Fn(usize) -> f32 + 'a {
         let (factors, constant) = template(basis, strip);
         let positions = coordinates.len() / factors.len().div_ceil(4);
-        let bound = |p| at(coordinates, positions, p).zip(&factors).fold(constant, |sum, (c, f)| sum + c * f);
-        (0..positions).map(bound).collect()
+        move |p| at(coordinates, positions, p).zip(&factors).fold(constant, |sum, (c, f)| sum + c * f)
     }
 
     fn some_positions(shape: StripShape) -> impl Iterator<Item = (u32, u32)> {
@@ -574,9 +573,9 @@ mod tests {
                 let wanted = strip(&other, shape, position);
                 let bounds = bounds(&basis, &coordinates, &wanted);
                 let own = (position.1 * count.0 + position.0) as usize;
-                for p in (0..bounds.len()).step_by(7).chain([own]) {
+                for p in (0..(count.0 * count.1) as usize).step_by(7).chain([own]) {
                     let there = strip(sample, shape, (p as u32 % count.0, p as u32 / count.0));
-                    each(name, bounds[p], error(&there, &wanted));
+                    each(name, bounds(p), error(&there, &wanted));
                 }
             }
         }
@@ -586,7 +585,9 @@ mod tests {
     fn a_bound_is_never_above_the_error() {
         for (name, sample) in pictures() {
             for shape in SHAPES {
-                for components in [14, 30, 46] {
+                // Every number of components for the two shapes of a block, and one that is more than there can be.
+                let all = if shape.dimension() > 400 { &[14, 30, 46][..] } else { &[14] };
+                for &components in all {
                     compare(&sample, shape, components, |other, bound, error| {
                         let exact = f64::from(bound) <= f64::from(error);
                         assert!(exact, "{name} {shape:?} K = {components}, strip of {other}: {bound} > {error}");
@@ -628,14 +629,14 @@ mod tests {
                 let bounds = bounds(&basis, &coordinates, &wanted);
                 let found: Vec<(f32, u32)> = (0..count.0 * count.1)
                     .filter(|&p| far(p))
-                    .map(|p| (bounds[p as usize], error(&strip(&sample, shape, (p % count.0, p / count.0)), &wanted)))
+                    .map(|p| (bounds(p as usize), error(&strip(&sample, shape, (p % count.0, p / count.0)), &wanted)))
                     .collect();
                 let least = found.iter().map(|(_, error)| *error).min().expect("positions");
                 near += found.iter().filter(|(bound, _)| f64::from(*bound) <= 1.1 * f64::from(least)).count();
                 all += found.len();
             }
             let share = near as f64 / all as f64;
-            eprintln!("SHARE {shape:?} {share}");
+
             assert!(share < most, "{shape:?}: {share}");
         }
     }
@@ -648,7 +649,9 @@ mod tests {
         let basis = StripBasis::new(&sample, SIZE, shape, 14);
         let coordinates = basis.coordinates(&sample, SIZE, (0, 0), (50, 1));
         let wanted = strip(&sample, shape, (8, 5));
-        for (x, bound) in (0..).zip(bounds(&basis, &coordinates, &wanted)).step_by(2) {
+        let bounds = bounds(&basis, &coordinates, &wanted);
+        for x in (0..50).step_by(2) {
+            let bound = bounds(x as usize);
             let error = error(&strip(&sample, shape, (x, 0)), &wanted) as f32;
             let squares = 36.0 * 2.0 * 120.0 * 120.0;
             assert!(bound >= error - 4.0 * basis.margin * squares, "{x}: {bound} {error}");
