@@ -17,6 +17,8 @@ pub mod quilt_stages;
 pub mod repair;
 pub mod repair_oracle;
 pub(crate) mod sample;
+#[cfg_attr(not(test), expect(dead_code, reason = "the search that uses it is to come"))]
+pub(crate) mod strips;
 pub mod tile_mask;
 pub mod tile_oracle;
 pub(crate) mod volume;

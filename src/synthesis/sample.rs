@@ -40,7 +40,8 @@ impl SampleTexels {
         for (to, from) in padded.chunks_exact_mut(padded_width).zip(texels.chunks_exact(width)) {
             to[..width].copy_from_slice(from);
         }
-        let squares = summed_squares(&padded, padded_width, height);
+        let square = |texel: &[u8; 4]| texel[..3].iter().map(|&c| u32::from(c).pow(2)).sum();
+        let squares = summed_area(padded.iter().map(square), padded_width);
         let image = |name, width: usize, height: usize, data: &[u8], uploads: &mut Uploads| {
             let desc = ImageDesc::storage_2d(width as u32, height as u32, vk::Format::R32_UINT);
             let image = Image::new(context, name, &desc)?;
@@ -69,16 +70,18 @@ impl SampleTexels {
     }
 }
 
-/// The summed-area table of |rgb|^2 with a row and a column of zeros first. It wraps around; differences do not care.
-fn summed_squares(texels: &[[u8; 4]], width: usize, height: usize) -> Vec<u32> {
-    let mut table = vec![0u32; (width + 1) * (height + 1)];
-    for y in 0..height {
-        let mut row = 0u32;
-        for x in 0..width {
-            let [r, g, b, _] = texels[y * width + x].map(u32::from);
-            row = row.wrapping_add(r * r + g * g + b * b);
-            table[(y + 1) * (width + 1) + x + 1] = table[y * (width + 1) + x + 1].wrapping_add(row);
+/// The summed-area table of a picture's values, row by row, with a row and a column of zeros first. It wraps around;
+/// differences do not care.
+pub(super) fn summed_area(values: impl Iterator<Item = u32>, width: usize) -> Vec<u32> {
+    let mut table = vec![0u32; width + 1];
+    let mut row = 0u32;
+    for (i, value) in values.enumerate() {
+        if i % width == 0 {
+            row = 0;
+            table.push(0);
         }
+        row = row.wrapping_add(value);
+        table.push(table[table.len() - width - 1].wrapping_add(row));
     }
     table
 }

@@ -1,0 +1,717 @@
+//! Lower bounds of the overlap error, so that a search can leave out positions that cannot be chosen.
+//!
+//! A block is compared with the sample along strips: rectangles of `d = 3 * width * height` numbers. Each strip of the
+//! sample gets a few coordinates here, once, on the host; they go to the device as layers of an image. The search
+//! gives what is painted on its canvas coordinates of the same kind, and one dot product of `K + 2` numbers then says
+//! how large the error is at least. Positions whose bound is above the largest error that may be chosen are left out.
+//! The others are compared in integers as ever, so that the result is the same to the byte.
+//!
+//! **The bound.** Let x and y be two strips with [`StripBasis::centre`] subtracted, Q a matrix of K orthonormal rows,
+//! and n = |x|^2. With c = Q x and r = sqrt(n - |c|^2), the length of what Q leaves out, Cauchy and Schwarz say
+//! `x.y <= c_x.c_y + r_x r_y`. So `|x - y|^2 = n_x + n_y - 2 x.y` is at least
+//! `n_x + n_y - 2 (c_x.c_y + r_x r_y)`, whatever rows Q has; principal components keep r small and the bound tight.
+//!
+//! **Rounding.** Let u = 2^-24. A sum of products in f32 is off by at most u (twice that on a device, which may round
+//! towards zero) times the number of roundings that a product passes through, times the sum of their absolute values; K
+//! such sums together by sqrt(K) times that. Who sums row by row, and then the rows, takes a product through no more
+//! than 3 width + height roundings. All who compute coordinates keep to that, or are better. With the rounding of the
+//! weights, of the detour in [`StripBasis::coordinates`] and of the square root, a computed c is off by at most e |x|,
+//! `e = 2 u sqrt(K) (3 width + height + 32)`. The centre is integral, which makes x exact. Therefore, with a margin m,
+//! - `r = sqrt(n (1 + m) - |c|^2)` is never too short if `m >= 2 e + e^2` plus the rounding of n, which a device may
+//!   sum in f32 too, and of the difference. Without this, an error e of c could shorten r by sqrt(2 e) |x|, far more
+//!   than any margin on n makes up for.
+//! - `x.y` then exceeds the computed `c_x.c_y + r_x r_y` by at most `(2 e + e^2) |x| |y|`, and as
+//!   `2 |x| |y| <= n_x + n_y`, taking `(1 - m) n` for n makes up for it. The same margin holds the rounding of the
+//!   final sum of at most 4 (K + 3) terms (four strips), whose absolute values add up to at most twice the sum of n.
+//!
+//! Together `m = u (4 sqrt(K) (3 width + height + 32) + 2 (3 width + height) + 16 (K + 8))`, and one hundredth more for
+//! terms of second order: 2^-12.7 for a strip of 5 x 32 px and K = 30. Paints that hardly differ from their mean
+//! but smoothly need it as small as that.
+
+use super::sample::summed_area;
+use crate::random;
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::thread;
+
+/// Half of the distance from 1 to the next f32.
+const ROUNDOFF: f64 = 1.0 / (1 << 24) as f64;
+/// Strips that principal components are found from.
+const STRIPS: usize = 512;
+/// Rounds of subspace iteration.
+const ROUNDS: usize = 3;
+/// Share of the variance of colour that the kept axes hold.
+const COLOUR_SHARE: f64 = 0.995;
+/// Pixels that the colours are measured at, about.
+const COLOURS: usize = 1 << 16;
+/// Most threads that work on coordinates.
+const MOST_THREADS: usize = 8;
+/// Products that [`StripBasis::coordinates`] adds up before it adds the sum to others. A product then passes through
+/// fewer roundings than the margin allows for, whatever the shape: with T taps and A axes of colour, sqrt(A) (32 + T /
+/// 32 + 11) of the host are less than 2 (3 width + height + 32).
+const PRODUCTS: usize = 32;
+/// Positions that are worked on together.
+const LANES: usize = 8;
+
+/// A rectangle of pixels along which a block is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct StripShape {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+}
+
+impl StripShape {
+    /// How many numbers a strip has.
+    fn dimension(self) -> usize {
+        3 * self.width as usize * self.height as usize
+    }
+}
+
+/// Orthonormal directions in the space of a sample's strips of one shape.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct StripBasis {
+    /// What a strip is.
+    pub shape: StripShape,
+    /// How many directions, K.
+    pub components: usize,
+    /// The colour that is subtracted: the sample's mean, rounded.
+    pub centre: [f32; 3],
+    /// The directions: `[component][pixel, row by row][rgb]`. Directions that a small or flat sample does not have are
+    /// zeros.
+    pub weights: Vec<f32>,
+    /// What makes bounds safe against rounding (see the module).
+    pub margin: f32,
+    reduction: Reduction,
+    /// The directions in the reduced space: for each layer, for each tap, a weight for each of four components.
+    layers: Vec<Vec<[f32; 4]>>,
+}
+
+impl StripBasis {
+    /// Finds the main directions of a sample's own strips.
+    ///
+    /// `texels` are RGBA, row by row, `size` = (width, height) of them; the shape fits in. `components` is K; K + 2 is a
+    /// multiple of 4.
+    ///
+    /// Any orthonormal directions give safe bounds, so they are found fast rather than well: from some hundred strips,
+    /// in the reduced space, by a few rounds of subspace iteration.
+    pub fn new(texels: &[[u8; 4]], size: (u32, u32), shape: StripShape, components: usize) -> Self {
+        let reduction = Reduction::new(texels, size.0, shape);
+        let taps = reduction.taps();
+        let found = principal_directions(&some_strips(&reduction, &taps, texels, size), components);
+        let weight = |component: usize, tap: usize| found.get(component).map_or(0.0, |direction| direction[tap]);
+        let four = |layer: usize, tap: usize| [0, 1, 2, 3].map(|k| weight(4 * layer + k, tap) as f32);
+        let layers = (0..(components + 2) / 4).map(|l| (0..taps.len()).map(|t| four(l, t)).collect()).collect();
+
+        let dimension = shape.dimension();
+        let mut weights = vec![0.0; components * dimension];
+        for (component, weights) in weights.chunks_exact_mut(dimension).enumerate() {
+            for (index, tap) in taps.iter().enumerate() {
+                let scale = weight(component, index) * if tap.paired { FRAC_1_SQRT_2 } else { 1.0 };
+                for (x, y) in reduction.pixels(tap) {
+                    let pixel = 3 * (y * shape.width as usize + x);
+                    for (weight, axis) in weights[pixel..].iter_mut().zip(reduction.axes[tap.axis]) {
+                        *weight += (scale * axis) as f32;
+                    }
+                }
+            }
+        }
+        let centre = reduction.centre.map(|c| c as f32);
+        StripBasis { shape, components, centre, weights, margin: margin(shape, components), reduction, layers }
+    }
+
+    /// Coordinates of the strips whose top left pixels are `first` + (i, j), i < `count.0`, j < `count.1`.
+    ///
+    /// Layer by layer, each of `count.0 * count.1` texels row by row, a texel four coordinates, (K + 2) / 4 layers. A
+    /// strip x has the coordinates `c_0 ... c_(K-1)`, `r = sqrt(max(n (1 + margin) - |c|^2, 0))` and `n (1 - margin)`.
+    /// Against `-2 c ... , -2 r, 1` of a strip y, with `n_y (1 - margin)` added, they bound |x - y|^2 from below.
+    ///
+    /// The strips lie inside of the picture `texels`, RGBA, row by row, `size` = (width, height) of them.
+    pub fn coordinates(
+        &self,
+        texels: &[[u8; 4]],
+        size: (u32, u32),
+        first: (u32, u32),
+        count: (u32, u32),
+    ) -> Vec<[f32; 4]> {
+        let (width, rows) = (count.0 as usize, count.1 as usize);
+        let mut coordinates = vec![[0.0; 4]; self.layers.len() * width * rows];
+        if coordinates.is_empty() {
+            return coordinates;
+        }
+        let threads = thread::available_parallelism().map_or(1, usize::from).clamp(1, MOST_THREADS);
+        let band_rows = rows.div_ceil(threads);
+        let mut bands: Vec<Vec<&mut [[f32; 4]]>> = (0..rows.div_ceil(band_rows)).map(|_| Vec::new()).collect();
+        for layer in coordinates.chunks_exact_mut(width * rows) {
+            bands.iter_mut().zip(layer.chunks_mut(width * band_rows)).for_each(|(band, part)| band.push(part));
+        }
+        let picture = &Picture::new(&self.reduction, texels, size);
+        thread::scope(|scope| {
+            for (index, mut band) in bands.into_iter().enumerate() {
+                let top = first.1 as usize + index * band_rows;
+                scope.spawn(move || self.fill(picture, (first.0 as usize, top), width, &mut band));
+            }
+        });
+        coordinates
+    }
+
+    /// Writes the coordinates of the strips from `first` on, `width` in a row, to each layer's part.
+    fn fill(&self, picture: &Picture, first: (usize, usize), width: usize, parts: &mut [&mut [[f32; 4]]]) {
+        let rows = parts.first().map_or(0, |part| part.len() / width);
+        for row in 0..rows {
+            for column in (0..width).step_by(LANES) {
+                let at = (first.0 + column, first.1 + row);
+                let texels = row * width + column..row * width + width.min(column + LANES);
+                let mut squares = [0.0; LANES];
+                for (weights, part) in self.layers.iter().zip(parts.iter_mut()) {
+                    let sums = picture.project(weights, at);
+                    for (lane, texel) in part[texels.clone()].iter_mut().enumerate() {
+                        *texel = [0, 1, 2, 3].map(|k| sums[k][lane]);
+                        squares[lane] += texel.iter().map(|c| f64::from(c * c)).sum::<f64>();
+                    }
+                }
+                let Some(last) = parts.last_mut() else { continue };
+                for (lane, texel) in last[texels].iter_mut().enumerate() {
+                    let n = picture.square(self.shape, (at.0 + lane, at.1));
+                    [texel[2], texel[3]] = ends(n, squares[lane], self.margin);
+                }
+            }
+        }
+    }
+}
+
+/// The last two coordinates of a strip of squared length `n`, and `squares` that of its other coordinates.
+fn ends(n: u32, squares: f64, margin: f32) -> [f32; 2] {
+    let (n, margin) = (f64::from(n), f64::from(margin));
+    [(n * (1.0 + margin) - squares).max(0.0).sqrt() as f32, (n * (1.0 - margin)) as f32]
+}
+
+/// Share of n by which bounds are lowered for the rounding of all that is computed in f32 (see the module).
+fn margin(shape: StripShape, components: usize) -> f32 {
+    let (passed, k) = (f64::from(3 * shape.width + shape.height), components as f64);
+    (1.01 * ROUNDOFF * (4.0 * k.sqrt() * (passed + 32.0) + 2.0 * passed + 16.0 * (k + 8.0))) as f32
+}
+
+/// An orthonormal map from strips to fewer numbers, which makes the rest several times faster: colours become one to
+/// three numbers along the sample's main axes of colour, and pixels are added in pairs of neighbours.
+#[derive(Debug, Clone, PartialEq)]
+struct Reduction {
+    shape: StripShape,
+    centre: [i32; 3],
+    axes: Vec<[f64; 3]>,
+    /// From a pixel to its neighbour.
+    step: (usize, usize),
+}
+
+/// One number of a reduced strip: one pixel or two, along one axis of colour.
+struct Tap {
+    axis: usize,
+    x: usize,
+    y: usize,
+    /// With its neighbour.
+    paired: bool,
+}
+
+impl Reduction {
+    /// For strips of a sample `width` pixels wide.
+    fn new(texels: &[[u8; 4]], width: u32, shape: StripShape) -> Self {
+        let (centre, axes) = main_colours(texels);
+        // Neighbours that are alike lose least when they are added.
+        let differences = |distance: usize| {
+            let pairs = texels.iter().zip(&texels[distance..]).step_by(some_of(texels));
+            pairs.map(|(a, b)| (0..3).map(|c| u64::from(a[c].abs_diff(b[c])).pow(2)).sum::<u64>()).sum::<u64>()
+        };
+        let across = shape.height == 1 || shape.width > 1 && differences(1) < differences(width as usize);
+        Reduction { shape, centre, axes, step: if across { (1, 0) } else { (0, 1) } }
+    }
+
+    /// All numbers of a reduced strip.
+    fn taps(&self) -> Vec<Tap> {
+        let (width, height) = (self.shape.width as usize, self.shape.height as usize);
+        let (step_x, step_y) = self.step;
+        let mut taps = Vec::new();
+        for axis in 0..self.axes.len() {
+            for y in (0..height).step_by(1 + step_y) {
+                for x in (0..width).step_by(1 + step_x) {
+                    taps.push(Tap { axis, x, y, paired: x + step_x < width && y + step_y < height });
+                }
+            }
+        }
+        taps
+    }
+
+    fn pixels(&self, tap: &Tap) -> impl Iterator<Item = (usize, usize)> {
+        let ((x, y), step) = ((tap.x, tap.y), self.step);
+        (0..1 + usize::from(tap.paired)).map(move |i| (x + i * step.0, y + i * step.1))
+    }
+}
+
+/// A picture, ready to look up the reduced strips at any position.
+struct Picture {
+    width: usize,
+    /// For each axis the paired pixels, then for each axis the pixels alone, as large as the picture each; and a few
+    /// zeros, because positions are read eight at a time.
+    planes: Vec<f32>,
+    /// Where each tap of the strip at position 0 is.
+    offsets: Vec<usize>,
+    /// The summed-area table of the squared distances from the centre.
+    squares: Vec<u32>,
+}
+
+impl Picture {
+    fn new(reduction: &Reduction, texels: &[[u8; 4]], size: (u32, u32)) -> Self {
+        let width = size.0 as usize;
+        let (step_x, step_y) = reduction.step;
+        let step = step_x + step_y * width;
+        let centred = |t: &[u8; 4]| [0, 1, 2].map(|c| i32::from(t[c]) - reduction.centre[c]);
+        let (mut pairs, mut singles) = (Vec::new(), Vec::new());
+        for axis in &reduction.axes {
+            let axis = axis.map(|a| a as f32);
+            let along = |t: &[u8; 4]| centred(t).iter().zip(axis).map(|(&c, a)| c as f32 * a).sum::<f32>();
+            let single: Vec<f32> = texels.iter().map(along).collect();
+            let next = single.iter().skip(step).chain(std::iter::repeat(&0.0));
+            pairs.extend(single.iter().zip(next).map(|(a, b)| (a + b) * FRAC_1_SQRT_2 as f32));
+            singles.extend(single);
+        }
+        let mut planes = pairs;
+        planes.extend(singles);
+        planes.extend([0.0; LANES]);
+        let plane = |tap: &Tap| tap.axis + if tap.paired { 0 } else { reduction.axes.len() };
+        let offset = |tap: &Tap| plane(tap) * texels.len() + tap.y * width + tap.x;
+        let offsets = reduction.taps().iter().map(offset).collect();
+        let square = |t: &[u8; 4]| centred(t).iter().map(|c| c.unsigned_abs().pow(2)).sum();
+        Picture { width, planes, offsets, squares: summed_area(texels.iter().map(square), width) }
+    }
+
+    /// Four components of the strip at a position and of the next ones to its right.
+    fn project(&self, weights: &[[f32; 4]], (x, y): (usize, usize)) -> [[f32; LANES]; 4] {
+        let planes = &self.planes[y * self.width + x..];
+        let mut total = [[0.0; LANES]; 4];
+        for (weights, offsets) in weights.chunks(PRODUCTS).zip(self.offsets.chunks(PRODUCTS)) {
+            let eights = offsets.iter().filter_map(|&offset| planes.get(offset..)?.first_chunk());
+            let sums = sum_of_products(weights.iter().zip(eights));
+            total.iter_mut().flatten().zip(sums.iter().flatten()).for_each(|(total, sum)| *total += sum);
+        }
+        total
+    }
+
+    /// The squared length of the strip at a position.
+    fn square(&self, shape: StripShape, (x, y): (usize, usize)) -> u32 {
+        let at = |x: usize, y: usize| self.squares[y * (self.width + 1) + x];
+        let (right, below) = (x + shape.width as usize, y + shape.height as usize);
+        at(right, below).wrapping_sub(at(right, y)).wrapping_sub(at(x, below)).wrapping_add(at(x, y))
+    }
+}
+
+/// The inner loop of all that takes time: adds up four numbers times eight numbers.
+#[inline(always)]
+fn sum_of_products<'a>(terms: impl Iterator<Item = (&'a [f32; 4], &'a [f32; LANES])>) -> [[f32; LANES]; 4] {
+    let mut sums = [[0.0; LANES]; 4];
+    for (four, eight) in terms {
+        for (sums, a) in sums.iter_mut().zip(four) {
+            for (sum, b) in sums.iter_mut().zip(eight) {
+                *sum += a * b;
+            }
+        }
+    }
+    sums
+}
+
+/// A matrix, row by row.
+struct Matrix {
+    columns: usize,
+    numbers: Vec<f32>,
+}
+
+impl Matrix {
+    fn new(rows: usize, columns: usize, number: impl Fn(usize, usize) -> f32) -> Self {
+        Matrix { columns, numbers: (0..rows * columns).map(|i| number(i / columns, i % columns)).collect() }
+    }
+
+    fn rows(&self) -> usize {
+        self.numbers.len() / self.columns
+    }
+
+    fn at(&self, row: usize, column: usize) -> f32 {
+        self.numbers[row * self.columns + column]
+    }
+
+    fn transposed(&self) -> Self {
+        Matrix::new(self.columns, self.rows(), |row, column| self.at(column, row))
+    }
+
+    /// This matrix, transposed, times another of as many rows. It has 4 n columns, the other [`LANES`] n.
+    fn transposed_times(&self, other: &Matrix) -> Self {
+        let mut product = Matrix::new(self.columns, other.columns, |_, _| 0.0);
+        for row in (0..self.columns).step_by(4) {
+            for column in (0..other.columns).step_by(LANES) {
+                let fours = self.numbers.chunks_exact(self.columns).filter_map(|r| r[row..].first_chunk());
+                let eights = other.numbers.chunks_exact(other.columns).filter_map(|r| r[column..].first_chunk());
+                let sums = sum_of_products(fours.zip(eights));
+                for (sums, row) in sums.iter().zip(product.numbers[row * other.columns..].chunks_mut(other.columns)) {
+                    row[column..column + LANES].copy_from_slice(sums);
+                }
+            }
+        }
+        product
+    }
+}
+
+/// Strips of a sample, reduced, one in a row, from places all over it.
+fn some_strips(reduction: &Reduction, taps: &[Tap], texels: &[[u8; 4]], size: (u32, u32)) -> Matrix {
+    let picture = Picture::new(reduction, texels, size);
+    let columns = (size.0 - reduction.shape.width + 1) as usize;
+    let positions = columns * (size.1 - reduction.shape.height + 1) as usize;
+    let place = |n: usize| {
+        let share = (n as f64 + random::unit(0, n as u32, 0)) / STRIPS as f64;
+        let position = (share * positions as f64) as usize;
+        position / columns * picture.width + position % columns
+    };
+    let places: Vec<usize> = (0..STRIPS).map(place).collect();
+    Matrix::new(STRIPS, taps.len().next_multiple_of(4), |strip, tap| {
+        picture.offsets.get(tap).map_or(0.0, |offset| picture.planes[offset + places[strip]])
+    })
+}
+
+/// At most `count` orthonormal directions in which vectors, one in a row, extend most.
+///
+/// Subspace iteration (G. Golub and C. Van Loan, "Matrix Computations", 7.3.2), which starts from some of the vectors
+/// and carries a few directions more than are wanted.
+fn principal_directions(vectors: &Matrix, count: usize) -> Vec<Vec<f64>> {
+    let carried = (count + 8).next_multiple_of(LANES);
+    let transposed = vectors.transposed();
+    let mut directions = Matrix::new(vectors.columns, carried, |i, n| vectors.at(n * vectors.rows() / carried, i));
+    let mut found = Vec::new();
+    for _ in 0..ROUNDS {
+        let lengths = transposed.transposed_times(&directions);
+        directions = vectors.transposed_times(&lengths);
+        let column = |n: usize| (0..vectors.columns).map(|i| f64::from(directions.at(i, n))).collect();
+        found = orthonormal((0..carried).map(column).collect());
+        directions = Matrix::new(vectors.columns, carried, |i, n| found.get(n).map_or(0.0, |found| found[i] as f32));
+    }
+    found.truncate(count);
+    found
+}
+
+/// Makes vectors orthonormal, in their order, and leaves out those that depend on the ones before. Gram and Schmidt,
+/// twice, which is as exact as the numbers are.
+fn orthonormal(vectors: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let dot = |a: &[f64], b: &[f64]| {
+        let mut sums = [0.0; 4];
+        for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
+            for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+                *sum += a * b;
+            }
+        }
+        sums.iter().sum::<f64>()
+    };
+    let mut found: Vec<Vec<f64>> = Vec::new();
+    for mut vector in vectors {
+        let before = dot(&vector, &vector);
+        for _ in 0..2 {
+            for other in &found {
+                let along = dot(&vector, other);
+                vector.iter_mut().zip(other).for_each(|(v, o)| *v -= along * o);
+            }
+        }
+        let after = dot(&vector, &vector);
+        // What is left of others is f32's rounding.
+        if after > 1e-10 * before {
+            let length = after.sqrt();
+            vector.iter_mut().for_each(|v| *v /= length);
+            found.push(vector);
+        }
+    }
+    found
+}
+
+/// A step from texel to texel that visits some of all. It is odd so that it does not stay in one column.
+fn some_of(texels: &[[u8; 4]]) -> usize {
+    (texels.len() / COLOURS) | 1
+}
+
+/// The mean colour, rounded, and as many main axes of colour as matter.
+fn main_colours(texels: &[[u8; 4]]) -> ([i32; 3], Vec<[f64; 3]>) {
+    let some = || texels.iter().step_by(some_of(texels));
+    let number = some().count().max(1) as f64;
+    let sum = |c: usize| some().map(|t| u64::from(t[c])).sum::<u64>() as f64;
+    let centre = [0, 1, 2].map(|c| (sum(c) / number).round() as i32);
+    let mut moments = [[0.0; 3]; 3];
+    for texel in some() {
+        let colour = [0, 1, 2].map(|c| f64::from(i32::from(texel[c]) - centre[c]));
+        for (row, a) in moments.iter_mut().zip(colour) {
+            row.iter_mut().zip(colour).for_each(|(moment, b)| *moment += a * b);
+        }
+    }
+    let axes = symmetric_axes(moments);
+    let total: f64 = axes.iter().map(|(variance, _)| variance).sum();
+    let mut held = 0.0;
+    let mut kept = Vec::new();
+    for (variance, axis) in axes {
+        if kept.is_empty() || held < COLOUR_SHARE * total {
+            kept.push(axis);
+        }
+        held += variance;
+    }
+    (centre, kept)
+}
+
+/// Eigenvalues and orthonormal eigenvectors of a symmetric matrix, the largest first, by Jacobi's rotations.
+fn symmetric_axes(mut a: [[f64; 3]; 3]) -> [(f64, [f64; 3]); 3] {
+    let mut axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for _ in 0..16 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            let (sin, cos) = (0.5 * (2.0 * a[p][q]).atan2(a[p][p] - a[q][q])).sin_cos();
+            let rotated = |u: f64, v: f64| (cos * u + sin * v, cos * v - sin * u);
+            for row in &mut a {
+                (row[p], row[q]) = rotated(row[p], row[q]);
+            }
+            for i in 0..3 {
+                (a[p][i], a[q][i]) = rotated(a[p][i], a[q][i]);
+                (axes[p][i], axes[q][i]) = rotated(axes[p][i], axes[q][i]);
+            }
+        }
+    }
+    let mut found = [0, 1, 2].map(|i| (a[i][i], axes[i]));
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (u32, u32) = (57, 45);
+    const SHAPES: [StripShape; 6] = [
+        StripShape { width: 5, height: 32 },
+        StripShape { width: 27, height: 5 },
+        StripShape { width: 4, height: 1 },
+        StripShape { width: 1, height: 4 },
+        StripShape { width: 1, height: 1 },
+        StripShape { width: 7, height: 8 },
+    ];
+
+    fn picture(colour: impl Fn(u32, u32) -> [u32; 3]) -> Vec<[u8; 4]> {
+        let pixels = (0..SIZE.0 * SIZE.1).map(|i| colour(i % SIZE.0, i / SIZE.0).map(|c| c.min(255) as u8));
+        pixels.map(|[r, g, b]| [r, g, b, 255]).collect()
+    }
+
+    /// Noise of one colour on stripes of another, both slanted.
+    fn textured() -> Vec<[u8; 4]> {
+        picture(|x, y| {
+            let (stroke, grain) = ((x + 2 * y) / 7 % 5, random::bits(4, (x + y / 2) / 3 + 99 * y, 0) % 64);
+            [40 + 30 * stroke + grain, 80 + 20 * stroke, 30 + grain / 2]
+        })
+    }
+
+    fn pictures() -> [(&'static str, Vec<[u8; 4]>); 6] {
+        let bits = |x: u32, y: u32| random::bits(7, x, y);
+        [
+            ("noise", picture(|x, y| [bits(x, y) & 255, bits(x, y) >> 8 & 255, bits(x, y) >> 24])),
+            ("black and white", picture(|x, y| [255 * (bits(x, y) & 1); 3])),
+            ("black or white", picture(|x, _| [255 * (x / 30); 3])),
+            ("flat", picture(|_, _| [200, 30, 7])),
+            ("gradient", picture(|x, y| [4 * x, 2 * x + y, 255 - 4 * x])),
+            ("textured", textured()),
+        ]
+    }
+
+    fn strip(texels: &[[u8; 4]], shape: StripShape, (x, y): (u32, u32)) -> Vec<[u8; 3]> {
+        let at = |x, y| texels[(y * SIZE.0 + x) as usize];
+        let rows = (y..y + shape.height).flat_map(|y| (x..x + shape.width).map(move |x| (x, y)));
+        rows.map(|(x, y)| at(x, y)).map(|[r, g, b, _]| [r, g, b]).collect()
+    }
+
+    fn error(a: &[[u8; 3]], b: &[[u8; 3]]) -> u32 {
+        a.as_flattened().iter().zip(b.as_flattened()).map(|(&a, &b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+    }
+
+    /// All positions at which a strip of this shape lies inside of a picture.
+    fn count(shape: StripShape) -> (u32, u32) {
+        (SIZE.0 - shape.width + 1, SIZE.1 - shape.height + 1)
+    }
+
+    /// What a device computes of what is painted on its canvas: the other side of the dot product, and the constant.
+    fn template(basis: &StripBasis, strip: &[[u8; 3]]) -> (Vec<f32>, f32) {
+        let row = 3 * basis.shape.width as usize;
+        let x: Vec<f32> =
+            strip.iter().flat_map(|pixel| [0, 1, 2].map(|c| f32::from(pixel[c]) - basis.centre[c])).collect();
+        let dot = |a: &[f32], b: &[f32]| -> f32 {
+            a.chunks(row).zip(b.chunks(row)).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>()).sum()
+        };
+        let mut c: Vec<f32> = basis.weights.chunks(x.len()).map(|weights| dot(weights, &x)).collect();
+        let n = dot(&x, &x);
+        let squares: f32 = c.iter().map(|c| c * c).sum();
+        c.push((n * (1.0 + basis.margin) - squares).max(0.0).sqrt());
+        (c.iter().map(|c| -2.0 * c).chain([1.0]).collect(), n * (1.0 - basis.margin))
+    }
+
+    /// The coordinates of one position, out of all layers.
+    fn at(coordinates: &[[f32; 4]], positions: usize, position: usize) -> impl Iterator<Item = f32> + '_ {
+        coordinates.iter().skip(position).step_by(positions).flatten().copied()
+    }
+
+    /// The bound of the error of a strip at a position of a sample.
+    fn bounds<'a>(basis: &StripBasis, coordinates: &'a [[f32; 4]], strip: &[[u8; 3]]) -> impl Fn(usize) -> f32 + 'a {
+        let (factors, constant) = template(basis, strip);
+        let positions = coordinates.len() / factors.len().div_ceil(4);
+        move |p| at(coordinates, positions, p).zip(&factors).fold(constant, |sum, (c, f)| sum + c * f)
+    }
+
+    fn some_positions(shape: StripShape) -> impl Iterator<Item = (u32, u32)> {
+        let count = count(shape);
+        (0..5).map(move |n| (random::bits(n, 0, 1) % count.0, random::bits(n, 0, 2) % count.1))
+    }
+
+    /// Bounds and errors of strips of some pictures at many positions of one; of its own strips, also where they are.
+    fn compare(sample: &[[u8; 4]], shape: StripShape, components: usize, mut each: impl FnMut(&str, f32, u32)) {
+        let basis = StripBasis::new(sample, SIZE, shape, components);
+        let count = count(shape);
+        let coordinates = basis.coordinates(sample, SIZE, (0, 0), count);
+        for (name, other) in [("itself", sample.to_vec())].into_iter().chain(pictures()) {
+            for position in some_positions(shape).take(if name == "itself" { 5 } else { 1 }) {
+                let wanted = strip(&other, shape, position);
+                let bounds = bounds(&basis, &coordinates, &wanted);
+                let own = (position.1 * count.0 + position.0) as usize;
+                for p in (0..(count.0 * count.1) as usize).step_by(7).chain([own]) {
+                    let there = strip(sample, shape, (p as u32 % count.0, p as u32 / count.0));
+                    each(name, bounds(p), error(&there, &wanted));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_bound_is_never_above_the_error() {
+        for (name, sample) in pictures() {
+            for shape in SHAPES {
+                // Every number of components for the two shapes of a block, and one that is more than there can be.
+                let all = if shape.dimension() > 400 { &[14, 30, 46][..] } else { &[14] };
+                for &components in all {
+                    compare(&sample, shape, components, |other, bound, error| {
+                        let exact = f64::from(bound) <= f64::from(error);
+                        assert!(exact, "{name} {shape:?} K = {components}, strip of {other}: {bound} > {error}");
+                    });
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_bound_of_four_strips_is_never_above_their_error() {
+        for (name, sample) in pictures() {
+            let sides = [SHAPES[0], SHAPES[1], SHAPES[0], SHAPES[1]];
+            let bases = sides.map(|shape| StripBasis::new(&sample, SIZE, shape, 46));
+            // The same strip as in the sample, so that the error is as small as can be beside the terms.
+            let (mut bound, mut constants) = (0.0f32, 0.0f32);
+            for (basis, position) in bases.iter().zip([(0, 0), (5, 0), (25, 3), (9, 40)]) {
+                let coordinates = basis.coordinates(&sample, SIZE, position, (1, 1));
+                let (factors, constant) = template(basis, &strip(&sample, basis.shape, position));
+                bound = at(&coordinates, 1, 0).zip(factors).fold(bound, |sum, (c, f)| sum + c * f);
+                constants += constant;
+            }
+            assert!(bound + constants <= 0.0, "{name}: {bound} {constants}");
+        }
+    }
+
+    #[test]
+    fn few_positions_have_a_bound_near_the_least_error() {
+        let sample = textured();
+        for (shape, most) in [(SHAPES[0], 0.07), (SHAPES[1], 0.07)] {
+            let basis = StripBasis::new(&sample, SIZE, shape, 30);
+            let (mut near, mut all) = (0, 0);
+            let count = count(shape);
+            // Where the strip itself lies is taken out.
+            let coordinates = basis.coordinates(&sample, SIZE, (0, 0), count);
+            for position in some_positions(shape) {
+                let wanted = strip(&sample, shape, position);
+                let far = |p: u32| (p % count.0).abs_diff(position.0) > 3 || (p / count.0).abs_diff(position.1) > 3;
+                let bounds = bounds(&basis, &coordinates, &wanted);
+                let found: Vec<(f32, u32)> = (0..count.0 * count.1)
+                    .filter(|&p| far(p))
+                    .map(|p| (bounds(p as usize), error(&strip(&sample, shape, (p % count.0, p / count.0)), &wanted)))
+                    .collect();
+                let least = found.iter().map(|(_, error)| *error).min().expect("positions");
+                near += found.iter().filter(|(bound, _)| f64::from(*bound) <= 1.1 * f64::from(least)).count();
+                all += found.len();
+            }
+            let share = near as f64 / all as f64;
+
+            assert!(share < most, "{shape:?}: {share}");
+        }
+    }
+
+    #[test]
+    fn what_the_basis_holds_is_bounded_to_within_the_margin() {
+        // One axis of colour, and steps of two columns: nothing is lost by adding pixels in pairs.
+        let sample = picture(|x, _| [10 + 4 * (x / 2); 3]);
+        let shape = StripShape { width: 6, height: 2 };
+        let basis = StripBasis::new(&sample, SIZE, shape, 14);
+        let coordinates = basis.coordinates(&sample, SIZE, (0, 0), (50, 1));
+        let wanted = strip(&sample, shape, (8, 5));
+        let bounds = bounds(&basis, &coordinates, &wanted);
+        for x in (0..50).step_by(2) {
+            let bound = bounds(x as usize);
+            let error = error(&strip(&sample, shape, (x, 0)), &wanted) as f32;
+            let squares = 36.0 * 2.0 * 120.0 * 120.0;
+            assert!(bound >= error - 4.0 * basis.margin * squares, "{x}: {bound} {error}");
+        }
+    }
+
+    #[test]
+    fn directions_are_orthonormal() {
+        for (name, sample) in pictures() {
+            for shape in SHAPES {
+                let basis = StripBasis::new(&sample, SIZE, shape, 46);
+                let rows: Vec<&[f32]> = basis.weights.chunks(shape.dimension()).collect();
+                assert_eq!(rows.len(), 46);
+                for (i, a) in rows.iter().enumerate() {
+                    for (j, b) in rows[..=i].iter().enumerate() {
+                        let product: f64 = a.iter().zip(*b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+                        let missing = i == j && a.iter().all(|a| *a == 0.0);
+                        let expected = if i == j && !missing { 1.0 } else { 0.0 };
+                        assert!((product - expected).abs() < 2e-7, "{name} {shape:?} {i} {j}: {product}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coordinates_are_the_projections_of_the_strips() {
+        let (first, count) = ((3, 2), (19, 7));
+        for (name, sample) in pictures() {
+            for shape in &SHAPES[..5] {
+                let basis = StripBasis::new(&sample, SIZE, *shape, 14);
+                let coordinates = basis.coordinates(&sample, SIZE, first, count);
+                assert_eq!(coordinates.len(), 4 * 19 * 7);
+                for p in 0..count.0 * count.1 {
+                    let strip = strip(&sample, *shape, (first.0 + p % count.0, first.1 + p / count.0));
+                    let (factors, constant) = template(&basis, &strip);
+                    let expected = factors[..15].iter().map(|f| f / -2.0).chain([constant]);
+                    let size = constant.sqrt();
+                    for (k, (c, expected)) in at(&coordinates, 133, p as usize).zip(expected).enumerate() {
+                        // The last is a square, and the one before is the root of a difference.
+                        let most = [1e-5 * size, 2e-3 * size, 1e-6 * constant][k.saturating_sub(13)];
+                        assert!((c - expected).abs() <= most, "{name} {shape:?} {p} {k}: {c} {expected}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn how_the_work_is_divided_changes_no_bit() {
+        let sample = textured();
+        for shape in SHAPES {
+            let basis = StripBasis::new(&sample, SIZE, shape, 14);
+            assert_eq!(basis, StripBasis::new(&sample, SIZE, shape, 14));
+            let (columns, rows) = count(shape);
+            let all = basis.coordinates(&sample, SIZE, (0, 0), (columns, rows));
+            for (y, row) in (0..).zip(all.chunks(columns as usize)).take(rows as usize) {
+                let alone = basis.coordinates(&sample, SIZE, (0, y), (columns, 1));
+                assert_eq!(row, &alone[..columns as usize], "{shape:?} {y}");
+            }
+        }
+    }
+}
