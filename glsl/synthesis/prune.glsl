@@ -7,4 +7,4 @@ const uint STRIPS = 2;
 
 // Layers of four coordinates that a strip has: its projections, what they leave out, and its squared length.
 layout(constant_id = 0) const uint LAYERS = 8;
-const uint DIRECTIONS = 4 * LAYERS - 2;
+const uint DIRECTIONS = 4 * LAYERS - 3;

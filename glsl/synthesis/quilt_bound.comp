@@ -10,8 +10,6 @@
 // In:  coordinates of the left and of the top strip at each position, layer below layer; templates, limits.  Out: survivors.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_ballot : require
 #include "prune.glsl"
 
 // A tile of positions across, as lavapipe has invocations in a vector.
@@ -24,8 +22,8 @@ layout(constant_id = 2) const uint ROWS = 1;
 // Whether each block is searched for within a window of its own; then STRIDE and BLOCKS are 1.
 layout(constant_id = 3) const bool WINDOWED = false;
 
-layout(binding = 0, rgba32f) uniform readonly image2D left_strips;
-layout(binding = 1, rgba32f) uniform readonly image2D top_strips;
+layout(binding = 0, rgba32ui) uniform readonly uimage2D left_strips;
+layout(binding = 1, rgba32ui) uniform readonly uimage2D top_strips;
 layout(binding = 2, r32ui) uniform uimage2D survivors;
 layout(binding = 3, rgba32f) uniform readonly image2D templates;
 layout(binding = 4, std430) readonly buffer Limits { float limits[]; };
@@ -40,48 +38,55 @@ layout(push_constant) uniform Push {
 const uint TILE = 8;
 #include "survivors.glsl"
 
-// The number of an invocation that is broadcast has to be a literal.
-#define EACH_BLOCK(DO) DO(0) DO(1) DO(2) DO(3) DO(4) DO(5) DO(6) DO(7)
+// Those of a chunk of blocks, and last their headers; shared, because lavapipe reads what is shared, at a place that is
+// known when the pipeline is made, once for all invocations.
+shared vec4 chunk[(STRIPS * LAYERS + 1) * BLOCKS];
 
-shared vec4 tm[8 * 17];
+// Eight coordinates of the strip at a position, two to a word.
+uvec4 load_coordinates(uint strip, int sx, uint row, uint layer) {
+    ivec2 at = ivec2(sx, min(row, push.position_rows - 1) + push.position_rows * layer);
+    return strip == LEFT ? imageLoad(left_strips, at) : imageLoad(top_strips, at);
+}
+
+vec2 unpacked(uint word) {
+    return vec2(int(word << 16) >> 16, int(word) >> 16);
+}
+
 void main() {
-    uint lane = gl_SubgroupInvocationID;
     uint first_slot = push.first_slot + (WINDOWED ? gl_WorkGroupID.z : 0);
-    // Column of `templates`
-    uint n = first_slot + (WINDOWED ? 0 : lane % 8);
-    for (uint i = gl_LocalInvocationIndex; i < 8 * 17; i += 128) { tm[i] = imageLoad(templates, ivec2(push.first_slot + i % 8, i / 8)); }
+    for (uint i = gl_LocalInvocationIndex; i < (STRIPS * LAYERS + 1) * BLOCKS; i += 128) {
+        chunk[i] = imageLoad(templates, ivec2(first_slot + i % BLOCKS, i / BLOCKS));
+    }
     barrier();
-    vec4 header = imageLoad(templates, ivec2(n, STRIPS * LAYERS));
-    uint columns = WINDOWED ? uint(header.z) : push.position_columns;
+    const uint headers = STRIPS * LAYERS * BLOCKS;
+    uint columns = WINDOWED ? uint(chunk[headers].z) : push.position_columns;
     uint column = gl_GlobalInvocationID.x;
     uint row = gl_GlobalInvocationID.y * ROWS;
-    bool live = column < columns;
-    int sx = int(min(column, columns - 1)) + (WINDOWED ? int(header.y) : 0);
+    if (column >= columns || row >= push.position_rows) {
+        return;
+    }
+    int sx = int(column) + (WINDOWED ? int(chunk[headers].y) : 0);
     float bound[ROWS * BLOCKS];
-#define BEGIN(k)                                                                                                       \
-    [[unroll]] for (uint r = 0; r < (k < BLOCKS ? ROWS : 0); r++) {                                                    \
-        bound[r * BLOCKS + k] = subgroupBroadcast(header.x, k);                                                        \
+    [[unroll]] for (uint i = 0; i < ROWS * BLOCKS; i++) {
+        bound[i] = chunk[headers + i % BLOCKS].x;
     }
-    EACH_BLOCK(BEGIN)
-    [[unroll]] for (uint layer = 0; layer < STRIPS * LAYERS; layer++) {
-        uint strip = layer / LAYERS;
-        vec4 a[ROWS];
+    [[unroll]] for (uint i = 0; i < STRIPS * LAYERS; i += 2) {
         [[unroll]] for (uint r = 0; r < ROWS; r++) {
-            ivec2 at = ivec2(sx, min(row + r, push.position_rows - 1) + push.position_rows * (layer % LAYERS));
-            a[r] = strip == LEFT ? imageLoad(left_strips, at) : imageLoad(top_strips, at);
+            uvec4 words = load_coordinates(i / LAYERS, sx, row + r, i % LAYERS / 2);
+            vec4 a = vec4(unpacked(words.x), unpacked(words.y));
+            // The last word of a strip is its squared length.
+            bool last = i % LAYERS == LAYERS - 2;
+            vec4 b = vec4(unpacked(words.z), last ? vec2(uintBitsToFloat(words.w), 0.0) : unpacked(words.w));
+            [[unroll]] for (uint k = 0; k < BLOCKS; k++) {
+                bound[r * BLOCKS + k] += dot(a, chunk[i * BLOCKS + k]) + dot(b, chunk[(i + 1) * BLOCKS + k]);
+            }
         }
-#define ADD(k)                                                                                                         \
-    vec4 b##k = tm[layer * 8 + k];                                                                      \
-    [[unroll]] for (uint r = 0; r < (k < BLOCKS ? ROWS : 0); r++) {                                                    \
-        bound[r * BLOCKS + k] += a[r].x * b##k.x + a[r].y * b##k.y + a[r].z * b##k.z + a[r].w * b##k.w;                \
-    }
-        EACH_BLOCK(ADD)
     }
     uint tiles_x = (columns + TILE - 1) / TILE;
     [[unroll]] for (uint k = 0; k < BLOCKS; k++) {
         float limit = limits[first_slot + k];
         [[unroll]] for (uint r = 0; r < ROWS; r++) {
-            if (bound[r * BLOCKS + k] <= limit && live && row + r < push.position_rows) {
+            if (bound[r * BLOCKS + k] <= limit && row + r < push.position_rows) {
                 uint tile = (row + r) * tiles_x + column / TILE;
                 ivec2 at = survivor_word(first_slot + k, push.survivor_rows, tile);
                 imageAtomicOr(survivors, at, 1u << (survivor_bit(tile) + column % TILE));

@@ -33,8 +33,9 @@ layout(push_constant) uniform Push {
     uint vertical_px, horizontal_px;
     // The colour that is subtracted.
     float centre_r, centre_g, centre_b;
-    // What is left of a squared length for a safe bound.
-    float kept_vertical, kept_horizontal;
+    // Of each strip: the margin for rounding, and the steps that the sample's coordinates are in.
+    float left_margin, top_margin;
+    float left_step, top_step;
 } push;
 
 #include "prune.glsl"
@@ -50,9 +51,17 @@ vec3 canvas_colour(uint x, uint y) {
     return vec3(unpack_rgb(imageLoad(canvas, ivec2(x, y)).r)) - vec3(push.centre_r, push.centre_g, push.centre_b);
 }
 
+float margin_of(uint strip) {
+    return strip == LEFT ? push.left_margin : push.top_margin;
+}
+
+float step_of(uint strip) {
+    return strip == LEFT ? push.left_step : push.top_step;
+}
+
 // Length of what the directions leave out of a strip.
 float left_out(uint strip) {
-    float rest = squares[strip];
+    float rest = squares[strip] * (1.0 + margin_of(strip));
     for (uint j = 0; j < DIRECTIONS; j++) {
         float c = coordinates[strip * DIRECTIONS + j];
         rest -= c * c;
@@ -60,9 +69,11 @@ float left_out(uint strip) {
     return sqrt(max(rest, 0.0));
 }
 
-// What a bound has besides its products.
-float constant() {
-    return push.kept_vertical * squares[LEFT] + push.kept_horizontal * squares[TOP];
+// What a bound has besides its products, less what the sample's coordinates lack by being whole numbers of steps.
+float constant(uint strip) {
+    float margin = margin_of(strip);
+    float rounded = 1.01 * sqrt(float(DIRECTIONS)) * step_of(strip);
+    return squares[strip] * (1.0 - margin) - rounded * sqrt(squares[strip] * (1.0 + margin));
 }
 
 void main() {
@@ -87,7 +98,9 @@ void main() {
         uint end = strip == LEFT ? push.overlap_px : push.overlap_px + push.horizontal_px;
         uint rows = strip == LEFT ? push.vertical_px : push.overlap_px;
         uint pixels = used[strip] ? (end - begin) * rows : 0;
+        // Row by row, so that no product passes through many roundings.
         float sum = 0.0;
+        float row_sum = 0.0;
         uint dx = begin;
         uint dy = 0;
         for (uint pixel = 0; pixel < pixels; pixel++) {
@@ -96,10 +109,13 @@ void main() {
             if (direction < DIRECTIONS) {
                 weight = imageLoad(directions, ivec2(pixel, strip * DIRECTIONS + direction)).rgb;
             }
-            sum += dot(weight, colour);
+            row_sum += dot(weight, colour);
             dx++;
-            dy += dx < end ? 0 : 1;
-            dx = dx < end ? dx : begin;
+            bool ends = dx == end;
+            sum += ends ? row_sum : 0.0;
+            row_sum = ends ? 0.0 : row_sum;
+            dy += ends ? 1 : 0;
+            dx = ends ? begin : dx;
         }
         if (direction < DIRECTIONS) {
             coordinates[strip * DIRECTIONS + direction] = sum;
@@ -111,17 +127,17 @@ void main() {
     // The last vector is the header.
     for (uint layer = lane; layer < STRIPS * LAYERS + 1; layer += GROUP) {
         uint strip = layer / LAYERS;
-        vec4 value = vec4(pending ? constant() : 3.0e38, block.sx0, block.sx1 - block.sx0 + 1, 0);
+        vec4 value = vec4(pending ? constant(LEFT) + constant(TOP) : 3.0e38, block.sx0, block.sx1 - block.sx0 + 1, 0);
         if (strip < STRIPS) {
             uint first = strip * DIRECTIONS + 4 * (layer % LAYERS);
             bool last = layer % LAYERS == LAYERS - 1;
             float c[4] = float[](0, 0, 0, 0);
-            for (uint j = 0; j < (last ? 2 : 4); j++) {
-                c[j] = -2.0 * coordinates[first + j];
+            for (uint j = 0; j < (last ? 1 : 4); j++) {
+                c[j] = -2.0 * step_of(strip) * coordinates[first + j];
             }
             value = vec4(c[0], c[1], c[2], c[3]);
             if (last && used[strip]) {
-                value.zw = vec2(-2.0 * left_out(strip), 1.0);
+                value.yz = vec2(-2.0 * step_of(strip) * left_out(strip), 1.0);
             }
         }
         imageStore(templates, ivec2(slot, layer), value);

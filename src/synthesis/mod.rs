@@ -10,6 +10,7 @@
 //! from a hash of (seed, block, frame), and ties go to the lowest index.
 
 pub mod params;
+pub(crate) mod prune;
 pub mod quilt;
 pub mod quilt_oracle;
 #[doc(hidden)]
@@ -17,7 +18,6 @@ pub mod quilt_stages;
 pub mod repair;
 pub mod repair_oracle;
 pub(crate) mod sample;
-#[cfg_attr(not(test), expect(dead_code, reason = "the search that uses it is to come"))]
 pub(crate) mod strips;
 pub mod tile_mask;
 pub mod tile_oracle;

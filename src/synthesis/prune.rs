@@ -88,8 +88,10 @@ pub(super) struct TemplatePush {
     pub centre_r: f32,
     pub centre_g: f32,
     pub centre_b: f32,
-    pub kept_vertical: f32,
-    pub kept_horizontal: f32,
+    pub left_margin: f32,
+    pub top_margin: f32,
+    pub left_step: f32,
+    pub top_step: f32,
 }
 
 #[repr(C)]
@@ -104,9 +106,9 @@ pub(super) struct BoundPush {
 /// Strips of a block, as in prune.glsl.
 const STRIPS: u32 = 2;
 /// Directions that strips are projected to; a strip's coordinates are those, and two more.
-const DIRECTIONS: u32 = 30;
+const DIRECTIONS: u32 = 29;
 /// Layers of four coordinates.
-const LAYERS: u32 = (DIRECTIONS + 2) / 4;
+const LAYERS: u32 = (DIRECTIONS + 3) / 4;
 /// Words in a row of the survivors, as in survivors.glsl.
 const SURVIVOR_WORDS: u32 = 1024;
 /// Groups of positions that a workgroup of `quilt_compare` takes, as there.
@@ -169,6 +171,8 @@ fn shapes(params: &QuiltParams, layout: &Layout) -> [StripShape; 2] {
 pub(super) struct Prune {
     shapes: [StripShape; 2],
     bases: [StripBasis; 2],
+    /// What the coordinates are in.
+    steps: [f32; 2],
     /// Columns and rows of positions.
     positions: [u32; 2],
     windowed: bool,
@@ -184,9 +188,9 @@ impl Prune {
     /// Whether a search for so many blocks with so many groups of positions each can be pruned on this device.
     pub fn possible(context: &Context, params: &QuiltParams, sample: (u32, u32)) -> bool {
         let [columns, rows] = positions(params, sample);
-        let texels = u64::from(columns) * u64::from(rows) * u64::from(LAYERS);
+                let texels = u64::from(columns) * u64::from(rows) * u64::from(LAYERS / 2);
         let side = context.caps().max_image_2d_px;
-        columns.max(SURVIVOR_WORDS) <= side && rows * LAYERS <= side && texels * 16 * u64::from(STRIPS) <= MOST_BYTES
+        columns.max(SURVIVOR_WORDS) <= side && rows * LAYERS / 2 <= side && texels * 16 * u64::from(STRIPS) <= MOST_BYTES
     }
 
     /// Blocks that may be searched for at once.
@@ -211,20 +215,21 @@ impl Prune {
         let [columns, rows] = positions(params, sample.size());
         let basis = |shape| StripBasis::new(sample.texels(), sample.size(), shape, DIRECTIONS as usize);
         let bases = [basis(shapes[0]), basis(shapes[1])];
-        let mut picture = |name, width, height, texels: &[[f32; 4]]| {
-            let desc = ImageDesc::storage_2d(width, height, vk::Format::R32G32B32A32_SFLOAT);
-            let image = Image::new(context, name, &desc)?;
-            uploads.image(context, &image, bytemuck::cast_slice(texels))?;
+        let mut picture = |name, size: (u32, u32), format, data: &[u8]| {
+            let image = Image::new(context, name, &ImageDesc::storage_2d(size.0, size.1, format))?;
+            uploads.image(context, &image, data)?;
             Ok::<_, crate::Error>(image)
         };
         let mut strips = |name, basis: &StripBasis, first| {
-            let coordinates = basis.coordinates(sample.texels(), sample.size(), first, (columns, rows));
-            picture(name, columns, rows * LAYERS, &coordinates)
+            let packed = basis.packed(sample.texels(), sample.size(), first, (columns, rows));
+            let size = (columns, rows * LAYERS / 2);
+            Ok::<_, crate::Error>((picture(name, size, vk::Format::R32G32B32A32_UINT, bytemuck::cast_slice(&packed.texels))?, packed.step))
         };
-        let left = strips("quilt left strips", &bases[0], (0, 0))?;
-        let top = strips("quilt top strips", &bases[1], (params.overlap_px, 0))?;
-        let (width, height, texels) = directions(&bases);
-        let directions = picture("quilt directions", width, height, &texels)?;
+        let (left, left_step) = strips("quilt left strips", &bases[0], (0, 0))?;
+        let (top, top_step) = strips("quilt top strips", &bases[1], (params.overlap_px, 0))?;
+        let (size, texels) = directions(&bases);
+        let format = vk::Format::R32G32B32A32_SFLOAT;
+        let directions = picture("quilt directions", size, format, bytemuck::cast_slice(&texels))?;
 
         let survivor_rows = survivor_rows(groups_per_block);
         let desc = ImageDesc::storage_2d(SURVIVOR_WORDS, survivor_rows * batch, vk::Format::R32_UINT);
@@ -256,6 +261,7 @@ impl Prune {
             survivors,
             shapes,
             bases,
+            steps: [left_step, top_step],
         })
     }
 
@@ -294,8 +300,10 @@ impl Prune {
             centre_r,
             centre_g,
             centre_b,
-            kept_vertical: 1.0 - self.bases[0].margin,
-            kept_horizontal: 1.0 - self.bases[1].margin,
+            left_margin: self.bases[0].margin,
+            top_margin: self.bases[1].margin,
+            left_step: self.steps[0],
+            top_step: self.steps[1],
         };
         recorder.dispatch(&stages.aim[chunk], &self.aim_set, &push, [blocks, 1, 1]);
         recorder.dispatch(&stages.template, &self.template_set, &template, [blocks, 1, 1]);
@@ -333,7 +341,7 @@ fn survivor_rows(groups_per_block: u32) -> u32 {
 }
 
 /// The directions as `quilt_template` reads them: a row each, a texel for each pixel of the strip.
-fn directions(bases: &[StripBasis; 2]) -> (u32, u32, Vec<[f32; 4]>) {
+fn directions(bases: &[StripBasis; 2]) -> ((u32, u32), Vec<[f32; 4]>) {
     let width = bases.iter().map(|basis| basis.shape.width * basis.shape.height).max().unwrap_or(1) as usize;
     let mut texels = vec![[0.0; 4]; width * (STRIPS * DIRECTIONS) as usize];
     let rows = bases.iter().flat_map(|basis| {
@@ -345,5 +353,5 @@ fn directions(bases: &[StripBasis; 2]) -> (u32, u32, Vec<[f32; 4]>) {
             to[..3].copy_from_slice(from);
         }
     }
-    (width as u32, STRIPS * DIRECTIONS, texels)
+    ((width as u32, STRIPS * DIRECTIONS), texels)
 }

@@ -178,7 +178,7 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             tolerance survivor_rows),
         shared!("synthesis/quilt_template.comp", "uniform Push", TemplatePush,
             output block_px overlap_px tileable columns rows first_block vertical_px horizontal_px centre_r centre_g
-            centre_b kept_vertical kept_horizontal),
+            centre_b left_margin top_margin left_step top_step),
         shared!("synthesis/quilt_bound.comp", "uniform Push", BoundPush,
             position_columns position_rows first_slot survivor_rows),
         shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,

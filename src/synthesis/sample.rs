@@ -12,6 +12,7 @@ const PADDING: u32 = TILE + 6;
 pub struct SampleTexels {
     image: Image,
     squares: Image,
+    texels: Vec<[u8; 4]>,
     size: (u32, u32),
 }
 
@@ -48,10 +49,10 @@ impl SampleTexels {
             uploads.image(context, &image, data)?;
             Ok::<_, Error>(image)
         };
-        let texels = image("quilt sample", padded_width, height, bytemuck::cast_slice(&padded), uploads)?;
+        let image_texels = image("quilt sample", padded_width, height, bytemuck::cast_slice(&padded), uploads)?;
         let squares =
             image("quilt sample squares", padded_width + 1, height + 1, bytemuck::cast_slice(&squares), uploads)?;
-        Ok(SampleTexels { image: texels, squares, size })
+        Ok(SampleTexels { image: image_texels, squares, texels: texels.to_vec(), size })
     }
 
     /// Its texels, with what a search may read beyond them.
@@ -62,6 +63,11 @@ impl SampleTexels {
     /// The summed-area table.
     pub(super) fn squares(&self) -> &Image {
         &self.squares
+    }
+
+    /// Its texels on the host.
+    pub(super) fn texels(&self) -> &[[u8; 4]] {
+        &self.texels
     }
 
     /// Width and height of the sample, pixels.

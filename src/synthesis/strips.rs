@@ -101,7 +101,7 @@ impl StripBasis {
         let found = principal_directions(&some_strips(&reduction, &taps, texels, size), components);
         let weight = |component: usize, tap: usize| found.get(component).map_or(0.0, |direction| direction[tap]);
         let four = |layer: usize, tap: usize| [0, 1, 2, 3].map(|k| weight(4 * layer + k, tap) as f32);
-        let layers = (0..(components + 2) / 4).map(|l| (0..taps.len()).map(|t| four(l, t)).collect()).collect();
+        let layers = (0..(components + 3) / 4).map(|l| (0..taps.len()).map(|t| four(l, t)).collect()).collect();
 
         let dimension = shape.dimension();
         let mut weights = vec![0.0; components * dimension];
@@ -155,6 +155,11 @@ impl StripBasis {
         coordinates
     }
 
+    /// As [`StripBasis::coordinates`], in fewer bytes.
+    pub fn packed(&self, texels: &[[u8; 4]], size: (u32, u32), first: (u32, u32), count: (u32, u32)) -> Packed {
+        Packed::new(&self.coordinates(texels, size, first, count), count.0 as usize * count.1 as usize)
+    }
+
     /// Writes the coordinates of the strips from `first` on, `width` in a row, to each layer's part.
     fn fill(&self, picture: &Picture, first: (usize, usize), width: usize, parts: &mut [&mut [[f32; 4]]]) {
         let rows = parts.first().map_or(0, |part| part.len() / width);
@@ -177,6 +182,41 @@ impl StripBasis {
                 }
             }
         }
+    }
+}
+
+/// Coordinates as whole numbers of a step: eight to a texel, two to a word, the first of them in the low half.
+pub(crate) struct Packed {
+    /// Layer by layer. The last words of a position are `c_(K-1)` and r, and n as the bits of an f32.
+    pub texels: Vec<[u32; 4]>,
+    /// What a coordinate of 1 stands for.
+    pub step: f32,
+}
+
+impl Packed {
+    /// Packs pairs of layers of [`StripBasis::coordinates`]. c is rounded to the nearest, which takes at most
+    /// `sqrt(K) step |y|` from a bound. r is rounded up, which is safe.
+    fn new(coordinates: &[[f32; 4]], positions: usize) -> Self {
+        let (others, last) = coordinates.split_at(coordinates.len() - positions);
+        let largest = |most: f32, c: &f32| most.max(c.abs());
+        let most = others.as_flattened().iter().fold(1.0, largest);
+        let most = last.iter().flat_map(|texel| &texel[..3]).fold(most, largest);
+        let step = most / f32::from(i16::MAX - 1);
+        let per_step = 1.0 / step;
+        let whole = |c: f32| u32::from((c * per_step).round_ties_even() as i16 as u16);
+        let pair = |low: f32, high: f32| whole(low) | whole(high) << 16;
+        let mut texels = Vec::with_capacity(coordinates.len() / 2);
+        for layers in coordinates.chunks_exact(2 * positions.max(1)) {
+            let (first, second) = layers.split_at(positions);
+            let four = |a: &[f32; 4], b: &[f32; 4]| [pair(a[0], a[1]), pair(a[2], a[3]), pair(b[0], b[1]), pair(b[2], b[3])];
+            texels.extend(first.iter().zip(second).map(|(a, b)| four(a, b)));
+        }
+        let begin = texels.len().saturating_sub(positions);
+        for (texel, [c, _, r, n]) in texels[begin..].iter_mut().zip(last) {
+            let r = ((r * per_step).ceil() as i16).max(0) as u16;
+            texel[2..].copy_from_slice(&[whole(*c) | u32::from(r) << 16, n.to_bits()]);
+        }
+        Packed { texels, step }
     }
 }
 
