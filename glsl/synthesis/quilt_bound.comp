@@ -62,10 +62,8 @@ void main() {
     uint columns = WINDOWED ? uint(chunk[headers].z) : push.position_columns;
     uint column = gl_GlobalInvocationID.x;
     uint row = gl_GlobalInvocationID.y * ROWS;
-    if (column >= columns || row >= push.position_rows) {
-        return;
-    }
-    int sx = int(column) + (WINDOWED ? int(chunk[headers].y) : 0);
+    // Nothing is left early: with some invocations gone, lavapipe would read what is shared for each of the others.
+    int sx = int(min(column, columns - 1)) + (WINDOWED ? int(chunk[headers].y) : 0);
     float bound[ROWS * BLOCKS];
     [[unroll]] for (uint i = 0; i < ROWS * BLOCKS; i++) {
         bound[i] = chunk[headers + i % BLOCKS].x;
@@ -86,7 +84,7 @@ void main() {
     [[unroll]] for (uint k = 0; k < BLOCKS; k++) {
         float limit = limits[first_slot + k];
         [[unroll]] for (uint r = 0; r < ROWS; r++) {
-            if (bound[r * BLOCKS + k] <= limit && row + r < push.position_rows) {
+            if (bound[r * BLOCKS + k] <= limit && column < columns && row + r < push.position_rows) {
                 uint tile = (row + r) * tiles_x + column / TILE;
                 ivec2 at = survivor_word(first_slot + k, push.survivor_rows, tile);
                 imageAtomicOr(survivors, at, 1u << (survivor_bit(tile) + column % TILE));

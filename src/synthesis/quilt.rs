@@ -264,6 +264,12 @@ impl Quilt {
         self.guide.as_ref().map(|guide| &guide.image)
     }
 
+    /// Which positions the search of the last recorded step left to be compared, if it is pruned: R32_UINT, a bit each,
+    /// a byte for each tile of eight neighbours, 1,024 words to a row, whole rows for each block of the step.
+    pub fn survivors(&self) -> Option<&Image> {
+        if let Search::Pruned(prune) = &self.waves.search { Some(prune.survivors()) } else { None }
+    }
+
     /// The grid of blocks.
     pub fn layout(&self) -> &Layout {
         &self.layout
