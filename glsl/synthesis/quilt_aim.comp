@@ -1,12 +1,11 @@
 #version 450
-// Pruned quilting, for the blocks of one wave: how far from the best a position may be and still be chosen.
+// Pruned quilting, for the blocks of one wave: a bound on the least error.
 //
 // Where a neighbour is placed, the position from which its texture would go on over this block is often the best of
-// all, and its error is a bound on the least error. Where no neighbour's texture goes on within the sample (or within the window
-// of a guide), tiles at random places serve. The error of a few tiles (overlap.glsl) is compared in full; what the
-// tolerance allows above the least of them is the limit, which no admissible position exceeds.
-// One workgroup a block. It also clears the block's survivors.
-// In:  sample, its squares, canvas, blocks, order.  Out: limits; survivors, all clear.
+// all, and its error bounds the least error from above. Where no neighbour's texture goes on within the sample (or within the
+// window of a guide), positions at random serve. A few tiles are compared (overlap.glsl).
+// One workgroup a block.
+// In:  sample, its squares, canvas, blocks, order.  Out: the least error found, after the groups' minima; tile_bounds, cleared.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "quilt.glsl"
@@ -16,15 +15,18 @@ layout(local_size_x = 128) in;
 layout(binding = 0, r32ui) uniform readonly uimage2D sample_texels;
 layout(binding = 1, r32ui) uniform readonly uimage2D sample_squares;
 layout(binding = 2, r32ui) uniform readonly uimage2D canvas;
-layout(binding = 3, r32ui) uniform writeonly uimage2D survivors;
+layout(binding = 3, r32ui) uniform writeonly uimage2D tile_bounds;
 layout(binding = 4, std430) readonly buffer Blocks { Block blocks[]; };
 layout(binding = 5, std430) readonly buffer Order { uint order[]; };
-layout(binding = 6, std430) writeonly buffer Limits { float limits[]; };
+layout(binding = 6, std430) writeonly buffer GroupMinima { uint group_minima[]; };
 
 #include "search_push.glsl"
 #include "fields.glsl"
 #include "overlap.glsl"
-#include "survivors.glsl"
+#include "tile_bounds.glsl"
+
+// Tiles that are compared: one for each neighbour.
+const uint LIKELY = 8;
 
 shared uint painted;
 shared uint likely;
@@ -59,9 +61,6 @@ void main() {
     uint index = order[push.first_block + slot];
     Block block = blocks[index];
     if (block.state != STATE_PENDING) {
-        if (lane == 0) {
-            limits[slot] = -1.0;
-        }
         return;
     }
     uint columns = block.sx1 - block.sx0 + 1;
@@ -73,19 +72,19 @@ void main() {
         likely = 0;
         least = 0xffffffffu;
     }
-    for (uint word = lane; word < (tiles + GROUP - 1) / GROUP * GROUP / 4; word += GROUP) {
-        imageStore(survivors, survivor_word(slot, push.survivor_rows, 4 * word), uvec4(0));
+    for (uint tile = lane; tile < (tiles + GROUP - 1) / GROUP * GROUP; tile += GROUP) {
+        imageStore(tile_bounds, bound_word(slot, push.bound_rows, tile), uvec4(NO_BOUND));
     }
     barrier();
     int tile = -1;
-    if (lane < 8) {
+    if (lane < LIKELY) {
         tile = continuing_tile(lane, index, block, tiles_x, int(tile_rows));
         if (tile >= 0) {
             atomicAdd(likely, 1);
         }
     }
     barrier();
-    if (likely == 0) {
+    if (likely == 0 && lane < LIKELY) {
         uint at;
         uint low;
         umulExtended(random_bits(lane, index, 0), tiles, at, low);
@@ -103,7 +102,6 @@ void main() {
     }
     barrier();
     if (lane == 0) {
-        // A float may round it down, by less than this.
-        limits[slot] = float(threshold(least, push.tolerance)) * (1.0 + 1.0 / 1048576.0);
+        group_minima[push.first_least + slot] = least;
     }
 }

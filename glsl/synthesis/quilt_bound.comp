@@ -1,15 +1,16 @@
 #version 450
 // Pruned quilting, for the blocks of one wave: a lower bound of the overlap error at every allowed position, and which
-// positions it leaves.
+// tiles of positions it leaves.
 //
 // A product of two matrices: the coordinates of the sample's strips at each position (src/synthesis/strips.rs) and the
 // templates of the blocks. An invocation takes a position, or ROWS of them one above the other, and BLOCKS blocks, so
 // that each coordinate that is loaded serves several products.
 // The templates lie in a uniform buffer. Without a guide, a dispatch has one chunk of blocks, whose coordinates stand
 // at places that are known when the pipeline is made: lavapipe reads those once for all invocations.
-// In:  coordinates of the left and of the top strip at each position, layer below layer; templates, limits.  Out: survivors.
+// In:  coordinates of the left and of the top strip at each position, layer below layer; templates, least errors known.  Out: tile_bounds.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "quilt.glsl"
 #include "prune.glsl"
 
 // A tile of positions across, as lavapipe has invocations in a vector.
@@ -24,23 +25,27 @@ layout(constant_id = 3) const bool WINDOWED = false;
 
 layout(binding = 0, rgba32ui) uniform readonly uimage2D left_strips;
 layout(binding = 1, rgba32ui) uniform readonly uimage2D top_strips;
-layout(binding = 2, r32ui) uniform uimage2D survivors;
+layout(binding = 2, r32ui) uniform uimage2D tile_bounds;
 layout(binding = 3, rgba32f) uniform readonly image2D templates;
-layout(binding = 4, std430) readonly buffer Limits { float limits[]; };
+layout(binding = 4, std430) readonly buffer GroupMinima { uint group_minima[]; };
 
 layout(push_constant) uniform Push {
     uint position_columns, position_rows;
-    // Where blocks begin in `limits` and in `survivors`; windowed ones go on by gl_WorkGroupID.z.
+    // Where blocks begin among templates, least errors and `tile_bounds`; windowed ones go on by gl_WorkGroupID.z.
     uint first_slot;
-    uint survivor_rows;
+    uint bound_rows;
+    // In 1/10,000.
+    uint tolerance;
+    // Where the least errors of `quilt_aim` begin among the groups' minima.
+    uint first_least;
 } push;
 
-const uint TILE = 8;
-#include "survivors.glsl"
+#include "tile_bounds.glsl"
 
 // Those of a chunk of blocks, and last their headers; shared, because lavapipe reads what is shared, at a place that is
 // known when the pipeline is made, once for all invocations.
 shared vec4 chunk[(STRIPS * LAYERS + 1) * BLOCKS];
+shared float limits[BLOCKS];
 
 // Eight coordinates of the strip at a position, two to a word.
 uvec4 load_coordinates(uint strip, int sx, uint row, uint layer) {
@@ -56,6 +61,10 @@ void main() {
     uint first_slot = push.first_slot + (WINDOWED ? gl_WorkGroupID.z : 0);
     for (uint i = gl_LocalInvocationIndex; i < (STRIPS * LAYERS + 1) * BLOCKS; i += 128) {
         chunk[i] = imageLoad(templates, ivec2(first_slot + i % BLOCKS, i / BLOCKS));
+    }
+    if (gl_LocalInvocationIndex < BLOCKS) {
+        uint least = push.first_least + first_slot + gl_LocalInvocationIndex;
+        limits[gl_LocalInvocationIndex] = bound_limit(group_minima[least], push.tolerance);
     }
     barrier();
     const uint headers = STRIPS * LAYERS * BLOCKS;
@@ -82,12 +91,12 @@ void main() {
     }
     uint tiles_x = (columns + TILE - 1) / TILE;
     [[unroll]] for (uint k = 0; k < BLOCKS; k++) {
-        float limit = limits[first_slot + k];
+        float limit = limits[k];
         [[unroll]] for (uint r = 0; r < ROWS; r++) {
             if (bound[r * BLOCKS + k] <= limit && column < columns && row + r < push.position_rows) {
                 uint tile = (row + r) * tiles_x + column / TILE;
-                ivec2 at = survivor_word(first_slot + k, push.survivor_rows, tile);
-                imageAtomicOr(survivors, at, 1u << (survivor_bit(tile) + column % TILE));
+                ivec2 at = bound_word(first_slot + k, push.bound_rows, tile);
+                imageAtomicMin(tile_bounds, at, floatBitsToUint(max(bound[r * BLOCKS + k], 0.0)));
             }
         }
     }

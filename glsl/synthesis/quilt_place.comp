@@ -17,7 +17,7 @@ layout(binding = 0, r32ui) uniform readonly uimage2D sample_texels;
 layout(binding = 1, r32ui) uniform uimage2D canvas;
 // x + (y << 16) of the sample's texel that each pixel came from.
 layout(binding = 2, r32ui) uniform writeonly uimage2D source;
-layout(binding = 3, r32ui) uniform readonly uimage2D survivors;
+layout(binding = 3, r32ui) uniform readonly uimage2D tile_bounds;
 layout(binding = 4, std430) buffer Blocks { Block blocks[]; };
 layout(binding = 5, std430) readonly buffer Order { uint order[]; };
 layout(binding = 6, std430) readonly buffer Errors { uvec4 errors[]; };
@@ -36,15 +36,15 @@ layout(push_constant) uniform Push {
     uint seed, frame;
     // The rows of positions that were compared: first_row, first_row + row_step, ...
     uint first_row, row_step;
-    // Rows of `survivors` that a block has.
-    uint survivor_rows;
+    // Rows of `tile_bounds` that a block has.
+    uint bound_rows;
 } push;
 
-// Whether only the tiles that are left in `survivors` were compared.
+// Whether only the tiles that still have a bound in `tile_bounds` were compared.
 layout(constant_id = 0) const bool PRUNED = false;
 
 #include "fields.glsl"
-#include "survivors.glsl"
+#include "tile_bounds.glsl"
 
 const uint LEFT = 0;
 const uint TOP = 1;
@@ -59,12 +59,8 @@ shared uint in_span[GROUP];
 shared uvec2 position;
 shared uint position_error;
 
-bool is_left(uint slot, uint tile) {
-    if (!PRUNED) {
-        return true;
-    }
-    uint word = imageLoad(survivors, survivor_word(slot, push.survivor_rows, tile)).r;
-    return (word >> survivor_bit(tile) & 255u) != 0;
+bool is_compared(uint slot, uint tile) {
+    return !PRUNED || imageLoad(tile_bounds, bound_word(slot, push.bound_rows, tile)).r != NO_BOUND;
 }
 
 uint admissible_of(uvec4 e, uint limit) {
@@ -99,7 +95,7 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
         uint end = min(begin + span, groups);
         for (uint group = begin; group < end; group++) {
             if (group_minima[first + group] <= limit) {
-                if (is_left(slot, group * GROUP + lane)) {
+                if (is_compared(slot, group * GROUP + lane)) {
                     uint place = ((first + group) * GROUP + lane) * 2;
                     mine += admissible_of(errors[place], limit) + admissible_of(errors[place + 1], limit);
                 }
@@ -132,9 +128,9 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
             continue;
         }
         uint place = ((first + group) * GROUP + lane) * 2;
-        bool here = is_left(slot, group * GROUP + lane);
-        uvec4 a = here ? errors[place] : uvec4(0xffffffffu);
-        uvec4 b = here ? errors[place + 1] : uvec4(0xffffffffu);
+        bool compared = is_compared(slot, group * GROUP + lane);
+        uvec4 a = compared ? errors[place] : uvec4(0xffffffffu);
+        uvec4 b = compared ? errors[place + 1] : uvec4(0xffffffffu);
         uint mine_here = admissible_of(a, limit) + admissible_of(b, limit);
         barrier();
         scratch[lane] = mine_here;

@@ -12,6 +12,8 @@ layout(push_constant) uniform Push {
     uint first_group, groups_per_block;
     // In 1/10,000.
     uint tolerance;
-    // Rows of `survivors` that a block has.
-    uint survivor_rows;
+    // Rows of `tile_bounds` that a block has.
+    uint bound_rows;
+    // Where the least errors of `quilt_aim` begin among the groups' minima.
+    uint first_least;
 } push;

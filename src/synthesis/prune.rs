@@ -64,11 +64,11 @@ pub(crate) const QUILT_COMPARE: Shader = Shader {
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeReadWrite),
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeWrite),
-        BindingKind::Buffer(Access::ComputeWrite),
+        BindingKind::Buffer(Access::ComputeReadWrite),
     ],
     push_bytes: size_of::<SearchPush>() as u32,
 };
@@ -100,7 +100,9 @@ pub(super) struct BoundPush {
     pub position_columns: u32,
     pub position_rows: u32,
     pub first_slot: u32,
-    pub survivor_rows: u32,
+    pub bound_rows: u32,
+    pub tolerance: u32,
+    pub first_least: u32,
 }
 
 /// Strips of a block, as in prune.glsl.
@@ -109,10 +111,10 @@ const STRIPS: u32 = 2;
 const DIRECTIONS: u32 = 29;
 /// Layers of four coordinates.
 const LAYERS: u32 = (DIRECTIONS + 3) / 4;
-/// Words in a row of the survivors, as in survivors.glsl.
-const SURVIVOR_WORDS: u32 = 1024;
+/// Words in a row of the tiles' bounds, as in tile_bounds.glsl.
+const BOUND_WORDS: u32 = 1024;
 /// Groups of positions that a workgroup of `quilt_compare` takes, as there.
-const SPAN: u32 = 8;
+const SPAN: u32 = 16;
 /// Blocks that an invocation of `quilt_bound` takes, where all are searched for everywhere; and for how many of them
 /// there are pipelines.
 const BLOCKS: u32 = 8;
@@ -176,12 +178,13 @@ pub(super) struct Prune {
     /// Columns and rows of positions.
     positions: [u32; 2],
     windowed: bool,
-    survivor_rows: u32,
+    bound_rows: u32,
+    first_least: u32,
     aim_set: BindingSet,
     template_set: BindingSet,
     bound_set: BindingSet,
     compare_set: BindingSet,
-    survivors: Image,
+    tile_bounds: Image,
 }
 
 impl Prune {
@@ -190,13 +193,13 @@ impl Prune {
         let [columns, rows] = positions(params, sample);
                 let texels = u64::from(columns) * u64::from(rows) * u64::from(LAYERS / 2);
         let side = context.caps().max_image_2d_px;
-        columns.max(SURVIVOR_WORDS) <= side && rows * LAYERS / 2 <= side && texels * 16 * u64::from(STRIPS) <= MOST_BYTES
+        columns.max(BOUND_WORDS) <= side && rows * LAYERS / 2 <= side && texels * 16 * u64::from(STRIPS) <= MOST_BYTES
     }
 
     /// Blocks that may be searched for at once.
     pub fn most_blocks(context: &Context, groups_per_block: u32) -> u32 {
         let side = context.caps().max_image_2d_px;
-        (side / survivor_rows(groups_per_block)).min(side / BLOCKS * BLOCKS)
+        (side / bound_rows(groups_per_block)).min(side / BLOCKS * BLOCKS)
     }
 
     /// Prepares pruning for dispatches of up to `batch` blocks, which have windows of their own or are searched for
@@ -231,48 +234,48 @@ impl Prune {
         let format = vk::Format::R32G32B32A32_SFLOAT;
         let directions = picture("quilt directions", size, format, bytemuck::cast_slice(&texels))?;
 
-        let survivor_rows = survivor_rows(groups_per_block);
-        let desc = ImageDesc::storage_2d(SURVIVOR_WORDS, survivor_rows * batch, vk::Format::R32_UINT);
-        let survivors = Image::new(context, "quilt survivors", &desc)?;
+        let bound_rows = bound_rows(groups_per_block);
+        let desc = ImageDesc::storage_2d(BOUND_WORDS, bound_rows * batch, vk::Format::R32_UINT);
+        let tile_bounds = Image::new(context, "quilt tile_bounds", &desc)?;
         // A column each, and room for those that a chunk lacks.
         let columns_of = batch.next_multiple_of(BLOCKS);
         let desc = ImageDesc::storage_2d(columns_of, STRIPS * LAYERS + 1, vk::Format::R32G32B32A32_SFLOAT);
         let templates = Image::new(context, "quilt templates", &desc)?;
-        let limits = Buffer::new(context, "quilt limits", BufferKind::Storage, u64::from(columns_of) * 4)?;
 
         let at = chunk(params);
         let stages = &targets.stages.prune;
         let picked: [Bound; 2] = [targets.blocks.into(), targets.order.into()];
-        let compared = [sample.image().into(), sample.squares().into(), targets.canvas.into(), (&survivors).into()];
-        let aimed = [&compared[..], &picked, &[(&limits).into()]].concat();
+        let compared = [sample.image().into(), sample.squares().into(), targets.canvas.into(), (&tile_bounds).into()];
+        let aimed = [&compared[..], &picked, &[targets.minima.into()]].concat();
         let errors = [targets.errors.into(), targets.minima.into()];
         let projected = [targets.canvas.into(), (&directions).into(), (&templates).into()];
         let projected = [&projected[..], &picked].concat();
         let bounded: [Bound; 5] =
-            [(&left).into(), (&top).into(), (&survivors).into(), (&templates).into(), (&limits).into()];
+            [(&left).into(), (&top).into(), (&tile_bounds).into(), (&templates).into(), targets.minima.into()];
         Ok(Prune {
             positions: [columns, rows],
             windowed,
-            survivor_rows,
+            bound_rows,
+            first_least: batch * groups_per_block,
             aim_set: BindingSet::new(context, &stages.aim[at], &aimed)?,
             template_set: BindingSet::new(context, &stages.template, &projected)?,
             bound_set: BindingSet::new(context, &stages.bound_windowed, &bounded)?,
             compare_set: BindingSet::new(context, &stages.compare[at], &[&compared[..], &picked, &errors].concat())?,
-            survivors,
+            tile_bounds,
             shapes,
             bases,
             steps: [left_step, top_step],
         })
     }
 
-    /// Rows of [`Prune::survivors`] that a block has.
-    pub fn survivor_rows(&self) -> u32 {
-        self.survivor_rows
+    /// Rows of [`Prune::tile_bounds`] that a block has.
+    pub fn bound_rows(&self) -> u32 {
+        self.bound_rows
     }
 
     /// Which positions are left after [`Prune::record`].
-    pub fn survivors(&self) -> &Image {
-        &self.survivors
+    pub fn tile_bounds(&self) -> &Image {
+        &self.tile_bounds
     }
 
     /// Records the search for `blocks` blocks from `order[push.first_block]` on; `columns` is how many columns of
@@ -285,7 +288,7 @@ impl Prune {
         columns: u32,
         blocks: u32,
     ) {
-        let push = SearchPush { survivor_rows: self.survivor_rows, ..*push };
+        let push = SearchPush { bound_rows: self.bound_rows, first_least: self.first_least, ..*push };
         let [centre_r, centre_g, centre_b] = self.bases[0].centre;
         let template = TemplatePush {
             output: push.output,
@@ -312,7 +315,9 @@ impl Prune {
             position_columns,
             position_rows,
             first_slot,
-            survivor_rows: self.survivor_rows,
+            bound_rows: self.bound_rows,
+            tolerance: push.tolerance,
+            first_least: self.first_least,
         };
         let groups = |rows, blocks| [columns.div_ceil(BOUND_GROUP[0]), position_rows.div_ceil(BOUND_GROUP[1] * rows), blocks];
         if self.windowed {
@@ -335,9 +340,9 @@ fn positions(params: &QuiltParams, (width, height): (u32, u32)) -> [u32; 2] {
     [width - params.block_px + 1, height - params.block_px + 1]
 }
 
-/// Rows of survivors that a block needs.
-fn survivor_rows(groups_per_block: u32) -> u32 {
-    (groups_per_block * GROUP).div_ceil(4 * SURVIVOR_WORDS)
+/// Rows of tile_bounds that a block needs.
+fn bound_rows(groups_per_block: u32) -> u32 {
+    (groups_per_block * GROUP).div_ceil(BOUND_WORDS)
 }
 
 /// The directions as `quilt_template` reads them: a row each, a texel for each pixel of the strip.

@@ -192,7 +192,7 @@ impl Quilt {
         let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
         let blocks = storage("quilt blocks", size_of_val(&data[..]) as u64)?;
         let errors = storage("quilt errors", block_bytes * u64::from(batch))?;
-        let minima = storage("quilt group minima", u64::from(groups_per_block) * u64::from(batch) * 4)?;
+        let minima = storage("quilt group minima", u64::from(groups_per_block + 1) * u64::from(batch) * 4)?;
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
         let guide_image = guide.as_ref().map_or(sample.image(), |guide| &guide.image);
         let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), (&blocks).into()])?;
@@ -220,8 +220,8 @@ impl Quilt {
             }
             _ => Search::Overlap(targets.search_set(context, chunk(params))?),
         };
-        let survivors = if let Search::Pruned(prune) = &search { Some(prune.survivors()) } else { None };
-        let place_set = targets.place_set(context, survivors)?;
+        let tile_bounds = if let Search::Pruned(prune) = &search { Some(prune.tile_bounds()) } else { None };
+        let place_set = targets.place_set(context, tile_bounds)?;
         let waves = Waves {
             search,
             place_set,
@@ -264,10 +264,10 @@ impl Quilt {
         self.guide.as_ref().map(|guide| &guide.image)
     }
 
-    /// Which positions the search of the last recorded step left to be compared, if it is pruned: R32_UINT, a bit each,
-    /// a byte for each tile of eight neighbours, 1,024 words to a row, whole rows for each block of the step.
-    pub fn survivors(&self) -> Option<&Image> {
-        if let Search::Pruned(prune) = &self.waves.search { Some(prune.survivors()) } else { None }
+    /// Which tiles of eight positions were compared for the last step that was recorded, if the search is pruned:
+    /// R32_UINT, 2^32 - 1 for those that were not, 1,024 tiles to a row, whole rows for each block of the step.
+    pub fn tile_bounds(&self) -> Option<&Image> {
+        if let Search::Pruned(prune) = &self.waves.search { Some(prune.tile_bounds()) } else { None }
     }
 
     /// The grid of blocks.
@@ -378,7 +378,7 @@ impl Quilt {
             frame,
             first_row: rows.first,
             row_step: rows.step,
-            survivor_rows: 0,
+            bound_rows: 0,
         }
     }
 
@@ -392,7 +392,7 @@ impl Quilt {
                     let count = [blocks.len() as u32, 1, 1];
                     let mut pruned = 0;
                     if let Search::Pruned(prune) = &self.waves.search {
-                        push.survivor_rows = prune.survivor_rows();
+                        push.bound_rows = prune.bound_rows();
                         pruned = 1;
                     }
                     recorder.dispatch(&self.stages.place[pruned], &self.waves.place_set, &push, count);
@@ -416,7 +416,8 @@ impl Quilt {
             first_group: groups.start,
             groups_per_block: self.groups_per_block,
             tolerance: params.tolerance_e4(),
-            survivor_rows: 0,
+            bound_rows: 0,
+            first_least: 0,
         };
         match &self.waves.search {
             Search::Overlap(set) => recorder.dispatch(&self.stages.search[chunk(params)], set, &push, count),

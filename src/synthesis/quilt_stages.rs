@@ -113,7 +113,8 @@ pub(super) struct SearchPush {
     pub first_group: u32,
     pub groups_per_block: u32,
     pub tolerance: u32,
-    pub survivor_rows: u32,
+    pub bound_rows: u32,
+    pub first_least: u32,
 }
 
 #[repr(C)]
@@ -152,7 +153,7 @@ pub(super) struct PlacePush {
     pub frame: u32,
     pub first_row: u32,
     pub row_step: u32,
-    pub survivor_rows: u32,
+    pub bound_rows: u32,
 }
 
 /// A structure that Rust and GLSL share: its file below glsl/, its name there, its size, and Rust's fields with their
@@ -175,12 +176,12 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             output sample_width block_px guided paint window_px),
         shared!("synthesis/search_push.glsl", "uniform Push", SearchPush,
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
-            tolerance survivor_rows),
+            tolerance bound_rows first_least),
         shared!("synthesis/quilt_template.comp", "uniform Push", TemplatePush,
             output block_px overlap_px tileable columns rows first_block vertical_px horizontal_px centre_r centre_g
             centre_b left_margin top_margin left_step top_step),
         shared!("synthesis/quilt_bound.comp", "uniform Push", BoundPush,
-            position_columns position_rows first_slot survivor_rows),
+            position_columns position_rows first_slot bound_rows tolerance first_least),
         shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
             canvas_weight previous_weight first_row row_step),
@@ -188,7 +189,7 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             sample_width block_px overlap_px columns rows paint window_px slack capacity band_rows),
         shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
             output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
-            frame first_row row_step survivor_rows),
+            frame first_row row_step bound_rows),
     ]
 }
 
@@ -294,11 +295,11 @@ impl Targets<'_> {
         BindingSet::new(context, &self.stages.matching[0], &[&images[..], &self.buffers()].concat())
     }
 
-    /// `survivors` are those of a pruned search.
-    pub fn place_set(&self, context: &Context, survivors: Option<&Image>) -> Result<BindingSet> {
+    /// `tile_bounds` are those of a pruned search.
+    pub fn place_set(&self, context: &Context, tile_bounds: Option<&Image>) -> Result<BindingSet> {
         // After a full search nothing is read, but the binding must have an image.
-        let survivors = survivors.unwrap_or(self.sample.image());
-        let images = [self.sample.image().into(), self.canvas.into(), self.source.into(), survivors.into()];
+        let tile_bounds = tile_bounds.unwrap_or(self.sample.image());
+        let images = [self.sample.image().into(), self.canvas.into(), self.source.into(), tile_bounds.into()];
         BindingSet::new(context, &self.stages.place[0], &[&images[..], &self.buffers()].concat())
     }
 }
