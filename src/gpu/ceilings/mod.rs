@@ -138,8 +138,8 @@ impl Ceiling {
     }
 }
 
-/// Measures each of `wanted`, in order, copies once for each size. What the device does not offer is left out. The times
-/// that `runner` has taken so far are forgotten.
+/// Measures each of `wanted`, in order, copies once for each size. What the device does not offer is left out.
+/// The times that `runner` has taken so far are forgotten.
 ///
 /// # Errors
 /// [`Error::Device`] when a kernel gives a wrong result; those of making and running pipelines.
