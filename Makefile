@@ -51,7 +51,7 @@ pictures:
 
 bench:
 	@scripts/setup demo
-	$(CARGO) bench --locked --bench synthesis --bench techniques --bench metrics
+	$(CARGO) bench --locked --bench ceilings --bench synthesis --bench techniques --bench metrics
 
 clean:
 	$(CARGO) clean

@@ -1,5 +1,6 @@
 //! Every shader that is built in, for the test that compares Rust's tables with what the SPIR-V itself says.
 
+use crate::gpu::ceilings::kernels;
 use crate::gpu::{RasterShader, Shader};
 use crate::metric;
 use crate::scene;
@@ -9,6 +10,14 @@ use crate::technique::{aligned, dependent, image, object};
 /// The table of each compute shader, with the path of its source below glsl/. A test fails when one is missing.
 pub fn shaders() -> Vec<(&'static str, Shader)> {
     vec![
+        ("gpu/copy_words.comp", kernels::COPY_WORDS),
+        ("gpu/copy_texels.comp", kernels::COPY_TEXELS),
+        ("gpu/float_rate.comp", kernels::FLOAT_RATE),
+        ("gpu/integer_rate.comp", kernels::INTEGER_RATE),
+        ("gpu/dot8_rate.comp", kernels::DOT8_RATE),
+        ("gpu/dot8_packed_rate.comp", kernels::DOT8_PACKED_RATE),
+        ("gpu/search_path.comp", kernels::SEARCH_PATH),
+        ("gpu/product_path.comp", kernels::PRODUCT_PATH),
         ("synthesis/quilt_guide.comp", quilt_stages::QUILT_GUIDE),
         ("synthesis/quilt_search.comp", quilt_stages::QUILT_SEARCH),
         ("synthesis/quilt_match.comp", quilt_stages::QUILT_MATCH),

@@ -198,6 +198,9 @@ pub struct Caps {
     pub uniform_alignment_bytes: u64,
     /// Largest x count of workgroups in a dispatch (65,535 at least).
     pub max_group_count_x: u32,
+    /// Whether integer dot products of packed 8-bit numbers (`VK_KHR_shader_integer_dot_product`) are enabled: on a
+    /// device of our own where it offers them, never on a host's.
+    pub integer_dot_product: bool,
     /// The depth format that guide passes use.
     pub depth_format: vk::Format,
     /// For the pipeline cache's header.
@@ -229,6 +232,7 @@ impl Caps {
             max_uniform_buffer_bytes: u64::from(p.limits.max_uniform_buffer_range),
             uniform_alignment_bytes: p.limits.min_uniform_buffer_offset_alignment,
             max_group_count_x: p.limits.max_compute_work_group_count[0],
+            integer_dot_product: false,
             // One of the two is promised by every Vulkan device.
             depth_format: if has_d32 { vk::Format::D32_SFLOAT } else { vk::Format::X8_D24_UNORM_PACK32 },
             pipeline_cache_uuid: p.pipeline_cache_uuid,
@@ -236,6 +240,21 @@ impl Caps {
             device_id: p.device_id,
         }
     }
+}
+
+/// Whether the device offers `VK_KHR_shader_integer_dot_product` and its feature.
+pub(crate) fn offers_integer_dot_product(instance: &ash::Instance, physical: vk::PhysicalDevice) -> bool {
+    // SAFETY: `physical` belongs to this live instance.
+    let extensions = unsafe { instance.enumerate_device_extension_properties(physical) }.unwrap_or_default();
+    let name = ash::khr::shader_integer_dot_product::NAME;
+    if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name)) {
+        return false;
+    }
+    let mut dot = vk::PhysicalDeviceShaderIntegerDotProductFeatures::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut dot);
+    // SAFETY: as above; the instance is of version 1.1, and the device knows the structure.
+    unsafe { instance.get_physical_device_features2(physical, &mut features) };
+    dot.shader_integer_dot_product == vk::TRUE
 }
 
 #[cfg(test)]

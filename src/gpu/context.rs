@@ -4,7 +4,7 @@
 //! when the GPU is known to be done with it: the context counts *frames*, an object dropped during frame n is destroyed
 //! once [`Context::advance`] says that frame n is safe.
 
-use super::caps::{describe, Caps, DeviceChoice, DeviceInfo};
+use super::caps::{describe, offers_integer_dot_product, Caps, DeviceChoice, DeviceInfo};
 use super::memory::Garbage;
 use super::pipeline::PipelineCacheFile;
 use super::validation;
@@ -268,6 +268,7 @@ impl Context {
                     }
                 };
                 inner.queue = queue;
+                inner.caps.integer_dot_product = offers_integer_dot_product(&loader.instance, physical);
                 if loader.debug_utils {
                     inner.debug_utils = Some(ash::ext::debug_utils::Device::new(&inner.instance, &inner.device));
                 }
@@ -297,7 +298,13 @@ impl Context {
         let family = queue_family(&loader.instance, physical).ok_or_else(missing)?;
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
-        let info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        // The one thing that is turned on where it is offered; no stage needs it.
+        let extensions = [ash::khr::shader_integer_dot_product::NAME.as_ptr()];
+        let mut dot = vk::PhysicalDeviceShaderIntegerDotProductFeatures::default().shader_integer_dot_product(true);
+        let mut info = vk::DeviceCreateInfo::default().queue_create_infos(&queues);
+        if offers_integer_dot_product(&loader.instance, physical) {
+            info = info.enabled_extension_names(&extensions).push_next(&mut dot);
+        }
         // SAFETY: `physical` belongs to the live instance; `info` outlives the call.
         let device =
             unsafe { loader.instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;

@@ -8,6 +8,7 @@
 
 mod access;
 mod caps;
+pub mod ceilings;
 mod context;
 mod memory;
 mod pipeline;

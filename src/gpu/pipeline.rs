@@ -451,6 +451,7 @@ mod tests {
             max_uniform_buffer_bytes: 16_384,
             uniform_alignment_bytes: 64,
             max_group_count_x: 65_535,
+            integer_dot_product: false,
             depth_format: vk::Format::D32_SFLOAT,
             pipeline_cache_uuid: [0; 16],
             vendor_id: 0,

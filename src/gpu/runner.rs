@@ -106,6 +106,11 @@ impl Runner {
         value
     }
 
+    /// The context that it runs on.
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
     /// The GPU time of all passes run so far, by name; forgets them.
     pub fn take_times(&mut self) -> Vec<PassTime> {
         std::mem::take(&mut self.times)
