@@ -43,19 +43,21 @@ pub(super) fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]], cre
     let mut sets = join_corners(&corner_places, &face_normals, crease_deg);
     let mut totals: Vec<(DVec3, usize)> = Vec::new();
     let mut region = vec![u32::MAX; triangles.len() * 3];
-    for corner in 0..region.len() {
-        let (t, k) = (corner / 3, corner % 3);
-        // The root of a set is its lowest corner, so it has its number by now, or is this corner.
-        let root = sets.root(corner as u32) as usize;
-        if region[root] == u32::MAX {
-            region[root] = totals.len() as u32;
-            totals.push((DVec3::ZERO, t));
+    for (t, triangle) in triangles.iter().enumerate() {
+        let [a, b, c] = triangle.map(point);
+        for (k, [here, next, before]) in [[a, b, c], [b, c, a], [c, a, b]].into_iter().enumerate() {
+            // The root of a set is its lowest corner, so it has its number by now, or is this corner.
+            let corner = 3 * t + k;
+            let root = sets.root(corner as u32) as usize;
+            if region[root] == u32::MAX {
+                region[root] = totals.len() as u32;
+                totals.push((DVec3::ZERO, t));
+            }
+            region[corner] = region[root];
+            let (p, q) = (next - here, before - here);
+            let angle = p.cross(q).length().atan2(p.dot(q));
+            totals[region[corner] as usize].0 += angle * face_normals[t];
         }
-        region[corner] = region[root];
-        let [here, next, before] = [0, 1, 2].map(|step| point(triangles[t][(k + step) % 3]));
-        let (p, q) = (next - here, before - here);
-        let angle = p.cross(q).length().atan2(p.dot(q));
-        totals[region[corner] as usize].0 += angle * face_normals[t];
     }
     // Faces that cancel each other out leave no direction; then any of them is better than none.
     let normals = totals
