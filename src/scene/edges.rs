@@ -10,8 +10,8 @@ pub(super) fn following(corner: u32) -> u32 {
 
 /// All edges of the triangles whose corners are at these places, in order, so that equal edges are side by side.
 ///
-/// Few edges have the same lower place. Counting the edges of each place, and sorting only those among themselves, takes
-/// a third of the time that sorting them all does.
+/// Few edges have the same lower place. Counting the edges of each place, and sorting only those among themselves,
+/// takes a third of the time that sorting them all does.
 pub(super) fn sorted_edges(places: &[u32]) -> Vec<Edge> {
     let edge = |corner: u32| {
         let (a, b) = (places[corner as usize], places[following(corner) as usize]);
