@@ -5,9 +5,9 @@ use super::report::number;
 use super::session::{Device, Session, PART_COMPARISONS};
 use super::values::finite;
 use clap::{Args, ValueEnum};
-use impasto::gpu::{Context, Uploads};
+use impasto::gpu::Uploads;
 use impasto::scene::{GuidePass, Moment, MotionPass};
-use impasto::synthesis::quilt::{PreviousWeight, QuiltStages};
+use impasto::synthesis::quilt::PreviousWeight;
 use impasto::synthesis::repair::RepairParams;
 use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::{Paint, Show};
@@ -165,7 +165,7 @@ impl ImageFrames {
     /// Prepares the technique over `guides`. Object i is painted with `paints[paint_of_object[i]]`.
     #[allow(clippy::too_many_arguments)]
     pub fn new(
-        context: &Context,
+        device: &mut Device,
         uploads: &mut Uploads,
         guides: &GuidePass,
         paints: &[Paint<'_>],
@@ -173,7 +173,8 @@ impl ImageFrames {
         params: &ImageParams,
         continuity: Continuity,
     ) -> Result<Self> {
-        let stages = QuiltStages::new(context)?;
+        let stages = device.quilt_stages()?;
+        let context = &device.context;
         let previous = match continuity {
             Continuity::Match(weight, _) => Some(weight),
             Continuity::Anew | Continuity::Carry(_) => None,

@@ -1,7 +1,8 @@
 //! The commands of the program, one file each, and what they share.
 //!
 //! Every command goes the same way: read the flags, find out whether the outputs can be written, load and check all
-//! inputs, and only then open the device and work; at last, write all files at once ([`files`]).
+//! inputs, and only then open the device (`render` opens it meanwhile) and work; at last, write all files at once
+//! ([`files`]).
 //!
 //! ```text
 //! clap -> Cli -> command::run(args, &mut Session) -> Outputs::commit -> Session::close (report)

@@ -11,7 +11,6 @@ use image::{GrayAlphaImage, LumaA, Rgba, RgbaImage};
 use impasto::gpu::{Image, Uploads};
 use impasto::scene::{GuidePass, Mesh, Moment};
 use impasto::synthesis::params::BlockRecord;
-use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{screen_displacements, AlignedFrame, AlignedTechnique, LevelVolume};
 use impasto::technique::dependent::{Carry, CoverageReport, DependentTechnique, ViewCoverage};
 use impasto::technique::image::ImageParams;
@@ -73,7 +72,7 @@ impl<'a> Painter<'a> {
                 let params = ImageParams { quilt: chosen.quilt, k: chosen.k, range, previous: None };
                 let all = paints.all()?;
                 let frames =
-                    ImageFrames::new(&context, &mut uploads, &guides, &all, &paints.of_object, &params, *continuity)?;
+                    ImageFrames::new(device, &mut uploads, &guides, &all, &paints.of_object, &params, *continuity)?;
                 device.upload(&mut uploads)?;
                 session.phase("prepare");
                 Prepared::Image(Box::new(frames))
@@ -87,7 +86,7 @@ impl<'a> Painter<'a> {
                 Prepared::Object(technique)
             }
             Technique::Aligned(params, frame) => {
-                let stages = QuiltStages::new(&context)?;
+                let stages = device.quilt_stages()?;
                 let levels = LevelVolume::new(&context, &mut uploads, &stages, &paints.levels(), params)?;
                 let trajectories = paints.trajectories();
                 let mut technique =
@@ -101,7 +100,7 @@ impl<'a> Painter<'a> {
             }
             Technique::Dependent(views, view_px, params) => {
                 let covered = ViewCoverage::run(&context, &mut device.runner, scene.mesh, views, *view_px)?;
-                let stages = QuiltStages::new(&context)?;
+                let stages = device.quilt_stages()?;
                 let mut params = *params;
                 params.range = range;
                 let all = paints.all()?;

@@ -11,7 +11,6 @@ use super::values::Size;
 use clap::Args;
 use impasto::gpu::Uploads;
 use impasto::paint::PaintSample;
-use impasto::synthesis::quilt::QuiltStages;
 use impasto::technique::aligned::{LevelSource, LevelVolume};
 use std::path::PathBuf;
 
@@ -59,7 +58,7 @@ pub fn run(args: &PrepareArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     session.phase("setup");
     let mut uploads = Uploads::default();
-    let stages = QuiltStages::new(&device.context)?;
+    let stages = device.quilt_stages()?;
     let sources = [LevelSource::Strip(&strip.texture)];
     let levels = LevelVolume::new(&device.context, &mut uploads, &stages, &sources, &params)?;
     device.upload(&mut uploads)?;

@@ -7,7 +7,7 @@ use super::values::Size;
 use clap::Args;
 use impasto::gpu::Uploads;
 use impasto::synthesis::params::{BlockRecord, QuiltParams};
-use impasto::synthesis::quilt::{Quilt, QuiltStages, SampleTexels};
+use impasto::synthesis::quilt::{Quilt, SampleTexels};
 use std::path::Path;
 
 /// How to quilt.
@@ -82,7 +82,7 @@ pub fn quilt(
     params: &QuiltParams,
 ) -> Result<Quilted> {
     let mut uploads = Uploads::default();
-    let stages = QuiltStages::new(&device.context)?;
+    let stages = device.quilt_stages()?;
     let sample = SampleTexels::new(&device.context, &mut uploads, texels, sample)?;
     let quilt = Quilt::new(&device.context, &mut uploads, &stages, &sample, size.pair(), params, None)?;
     device.upload(&mut uploads)?;

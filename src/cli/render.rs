@@ -11,6 +11,7 @@ use super::quilting::Quilting;
 use super::session::{Device, Session};
 use super::shot::{LookFlags, ShotFlags};
 use super::strips::trajectory_picture;
+use super::techniques::TechniqueName;
 use clap::Args;
 use impasto::scene::Moment;
 use impasto::technique::dependent::CoverageReport;
@@ -43,13 +44,13 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
         check_folder(dir)?;
         check_apart(&args.output, dir)?;
     }
-    let shot = args.shot.load(&[args.look.technique], session)?;
-    let chosen = args.shot.choose(args.look.technique, &shot)?;
-    session.phase("load");
-
-    let mut device = session.open_device()?;
+    let technique = args.look.technique;
+    let ((shot, chosen), mut device) = session.load_and_open(technique != TechniqueName::Object, |session| {
+        let shot = args.shot.load(&[technique], session)?;
+        let chosen = args.shot.choose(technique, &shot)?;
+        Ok((shot, chosen))
+    })?;
     device.check_size(args.shot.size)?;
-    session.phase("setup");
     let moment = Moment::at_rest(shot.camera, shot.lights);
     let scene = Scene { mesh: &shot.mesh, moment: moment.clone(), size: args.shot.size };
     let mut painter = Painter::new(session, &mut device, &scene, &shot.paints, &chosen)?;

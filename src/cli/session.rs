@@ -8,6 +8,7 @@ use super::progress::Progress;
 use super::report::{print, warn_on_stderr};
 use clap::Args;
 use impasto::gpu::{Context, ContextOptions, DeviceChoice, DeviceInfo, LogCallback, PassTime, Runner, Uploads};
+use impasto::synthesis::quilt::QuiltStages;
 use serde_json::{json, Map, Value};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -58,6 +59,8 @@ pub struct Device {
     pub context: Context,
     /// Submits to it.
     pub runner: Runner,
+    /// Compiled when they are first asked for.
+    quilt_stages: Option<Arc<QuiltStages>>,
 }
 
 impl Session {
@@ -96,27 +99,36 @@ impl Session {
 
     /// Opens the device that was asked for.
     pub fn open_device(&mut self) -> Result<Device> {
-        let sink = self.messages.clone();
-        let log: LogCallback = Arc::new(move |_, message| {
-            if let Ok(mut messages) = sink.lock() {
-                messages.push(message.to_owned());
+        let device = Device::open(&self.common, &self.messages)?;
+        self.device = Some(device.context.device_info().clone());
+        Ok(device)
+    }
+
+    /// Loads what the command is given while another thread opens the device and, if the command `quilts`, compiles the
+    /// stages of quilting: each takes about as long as reading a large model. What is wrong with the input is told
+    /// first. Ends the phases `load` and `setup`.
+    pub fn load_and_open<T>(
+        &mut self,
+        quilts: bool,
+        load: impl FnOnce(&mut Session) -> Result<T>,
+    ) -> Result<(T, Device)> {
+        let (common, messages) = (self.common.clone(), self.messages.clone());
+        let open = || -> Result<Device> {
+            let mut device = Device::open(&common, &messages)?;
+            if quilts {
+                device.quilt_stages()?;
             }
-        });
-        let Ok(device) = self.common.device.as_deref().map_or(Ok(DeviceChoice::Best), str::parse);
-        let context = Context::new(&ContextOptions {
-            device,
-            validation: self.common.validate,
-            log: Some(log),
-            pipeline_cache_dir: cache_dir(),
-            memory_budget: None,
+            Ok(device)
+        };
+        std::thread::scope(|scope| {
+            let opening = scope.spawn(open);
+            let loaded = load(self)?;
+            self.phase("load");
+            let device = opening.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            self.device = Some(device.context.device_info().clone());
+            self.phase("setup");
+            Ok((loaded, device))
         })
-        .map_err(|error| match &self.common.device {
-            Some(_) => Failure::new(format!("--device: {error}")),
-            None => error.into(),
-        })?;
-        self.device = Some(context.device_info().clone());
-        let runner = Runner::new(&context)?;
-        Ok(Device { context, runner })
     }
 
     /// Ends a phase of the work: what has passed since the one before is its time.
@@ -285,6 +297,38 @@ impl Session {
 }
 
 impl Device {
+    fn open(common: &Common, messages: &Arc<Mutex<Vec<String>>>) -> Result<Self> {
+        let sink = messages.clone();
+        let log: LogCallback = Arc::new(move |_, message| {
+            if let Ok(mut messages) = sink.lock() {
+                messages.push(message.to_owned());
+            }
+        });
+        let Ok(device) = common.device.as_deref().map_or(Ok(DeviceChoice::Best), str::parse);
+        let context = Context::new(&ContextOptions {
+            device,
+            validation: common.validate,
+            log: Some(log),
+            pipeline_cache_dir: cache_dir(),
+            memory_budget: None,
+        })
+        .map_err(|error| match &common.device {
+            Some(_) => Failure::new(format!("--device: {error}")),
+            None => error.into(),
+        })?;
+        let runner = Runner::new(&context)?;
+        Ok(Device { context, runner, quilt_stages: None })
+    }
+
+    /// The stages of quilting; one serves every quilting of the command.
+    pub fn quilt_stages(&mut self) -> Result<Arc<QuiltStages>> {
+        let stages = match self.quilt_stages.take() {
+            Some(stages) => stages,
+            None => QuiltStages::new(&self.context)?,
+        };
+        Ok(self.quilt_stages.insert(stages).clone())
+    }
+
     /// Checks a picture's size against the device's limit.
     pub fn check_size(&self, size: super::values::Size) -> Result {
         let most = self.context.caps().max_image_2d_px;

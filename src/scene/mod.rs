@@ -28,6 +28,7 @@
 
 mod camera;
 mod clean;
+mod edges;
 mod framing;
 mod geometry;
 mod guide;

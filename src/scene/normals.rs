@@ -6,8 +6,8 @@
 //! the vertex (Thuermer and Wuethrich 1998), so that it does not depend on how a flat area happens to be cut into
 //! triangles.
 
-use std::collections::HashMap;
-
+use super::edges::{following, sorted_edges};
+use super::solid::places;
 use glam::DVec3;
 
 /// The smooth region of each triangle corner, and the unit normal of each region. The corners of a region are all at
@@ -32,29 +32,32 @@ impl CornerNormals {
 
 /// Computes normals for all corners of triangles that have an area. `crease_deg` is in 0..=180.
 pub(super) fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]], crease_deg: f32) -> CornerNormals {
-    let places = weld(positions);
+    let of_vertex = places(positions);
+    let corner_places: Vec<u32> = triangles.iter().flatten().map(|vertex| of_vertex[*vertex as usize]).collect();
     let point = |vertex: u32| DVec3::from(positions[vertex as usize].map(f64::from));
     let face_normals: Vec<DVec3> = triangles
         .iter()
         .map(|&[a, b, c]| (point(b) - point(a)).cross(point(c) - point(a)).normalize_or_zero())
         .collect();
 
-    let mut sets = join_corners(&places, triangles, &face_normals, crease_deg);
+    let mut sets = join_corners(&corner_places, &face_normals, crease_deg);
     let mut totals: Vec<(DVec3, usize)> = Vec::new();
     let mut region = vec![u32::MAX; triangles.len() * 3];
-    for corner in 0..region.len() {
-        let (t, k) = (corner / 3, corner % 3);
-        // The root of a set is its lowest corner, so it has its number by now, or is this corner.
-        let root = sets.root(corner as u32) as usize;
-        if region[root] == u32::MAX {
-            region[root] = totals.len() as u32;
-            totals.push((DVec3::ZERO, t));
+    for (t, triangle) in triangles.iter().enumerate() {
+        let [a, b, c] = triangle.map(point);
+        for (k, [here, next, before]) in [[a, b, c], [b, c, a], [c, a, b]].into_iter().enumerate() {
+            // The root of a set is its lowest corner, so it has its number by now, or is this corner.
+            let corner = 3 * t + k;
+            let root = sets.root(corner as u32) as usize;
+            if region[root] == u32::MAX {
+                region[root] = totals.len() as u32;
+                totals.push((DVec3::ZERO, t));
+            }
+            region[corner] = region[root];
+            let (p, q) = (next - here, before - here);
+            let angle = p.cross(q).length().atan2(p.dot(q));
+            totals[region[corner] as usize].0 += angle * face_normals[t];
         }
-        region[corner] = region[root];
-        let [here, next, before] = [0, 1, 2].map(|step| point(triangles[t][(k + step) % 3]));
-        let (p, q) = (next - here, before - here);
-        let angle = p.cross(q).length().atan2(p.dot(q));
-        totals[region[corner] as usize].0 += angle * face_normals[t];
     }
     // Faces that cancel each other out leave no direction; then any of them is better than none.
     let normals = totals
@@ -65,38 +68,16 @@ pub(super) fn smooth_normals(positions: &[[f32; 3]], triangles: &[[u32; 3]], cre
     CornerNormals { region, normals }
 }
 
-/// A number for each vertex that is the same for vertices at exactly the same position (-0 equals 0).
-fn weld(positions: &[[f32; 3]]) -> Vec<u32> {
-    let mut numbers = HashMap::with_capacity(positions.len());
-    positions
-        .iter()
-        .map(|position| {
-            let next = numbers.len() as u32;
-            *numbers.entry(position.map(|x| (x + 0.0).to_bits())).or_insert(next)
-        })
-        .collect()
-}
-
 /// Joins the corners, on both ends of every edge, of faces that meet there without a crease.
-fn join_corners(places: &[u32], triangles: &[[u32; 3]], face_normals: &[DVec3], crease_deg: f32) -> CornerSets {
-    let place = |corner: u32| places[triangles[corner as usize / 3][corner as usize % 3] as usize];
-    let following = |corner: u32| corner - corner % 3 + (corner + 1) % 3;
-    // Every edge as its two places in order, and the corner that it starts at; sorting brings equal edges together.
-    let mut edges: Vec<(u32, u32, u32)> = (0..triangles.len() as u32 * 3)
-        .map(|corner| {
-            let (a, b) = (place(corner), place(following(corner)));
-            (a.min(b), a.max(b), corner)
-        })
-        .collect();
-    edges.sort_unstable();
-
+fn join_corners(places: &[u32], face_normals: &[DVec3], crease_deg: f32) -> CornerSets {
     // Faces that meet at the crease angle itself, up to rounding, are still smooth.
     let least = (f64::from(crease_deg).to_radians().cos() - 1e-4).max(-1.0);
-    let mut sets = CornerSets::new(triangles.len() * 3);
-    for faces in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+    let mut sets = CornerSets::new(places.len());
+    let mut leaders: Vec<u32> = Vec::with_capacity(MAX_LEADERS);
+    for faces in sorted_edges(places).chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
         // More than two faces may meet at an edge. Each joins the first that it is smooth with; comparing it with a few
         // is enough, because few directions are creased against each other.
-        let mut leaders: Vec<u32> = Vec::with_capacity(2);
+        leaders.clear();
         for &(low, _, corner) in faces {
             let normal = face_normals[corner as usize / 3];
             let leader = leaders.iter().copied().find(|&leader| normal.dot(face_normals[leader as usize / 3]) >= least);
@@ -107,7 +88,7 @@ fn join_corners(places: &[u32], triangles: &[[u32; 3]], face_normals: &[DVec3], 
                 continue;
             };
             let ends = |start: u32| {
-                if place(start) == low {
+                if places[start as usize] == low {
                     (start, following(start))
                 } else {
                     (following(start), start)

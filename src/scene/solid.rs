@@ -3,6 +3,7 @@
 //! A closed surface whose pieces all face outwards hides its back faces from every eye outside of it. Leaving them out
 //! changes no pixel, then, but the drawing takes half the time. Objects that move apart must each be closed.
 
+use super::edges::sorted_edges;
 use super::{Mesh, Moment};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
@@ -24,7 +25,10 @@ impl Solid {
     pub fn new(mesh: &Mesh) -> Self {
         let together = is_solid(mesh, &places(mesh.positions()));
         let owners = mesh.object_of_vertex();
-        let apart = is_solid(mesh, &first_of(mesh.positions().iter().zip(&owners).map(|(p, owner)| (bits(p), *owner))));
+        let apart = match mesh.objects() {
+            [_] => together,
+            _ => is_solid(mesh, &first_of(mesh.positions().iter().zip(&owners).map(|(p, owner)| (bits(p), *owner)))),
+        };
         let mut objects = Vec::new();
         if together || apart {
             objects.resize(mesh.objects().len(), Vec::new());
@@ -55,32 +59,27 @@ impl Solid {
 /// True if every edge is passed as often one way as the other, and every connected piece encloses a volume. Vertices
 /// with the same place are one.
 fn is_solid(mesh: &Mesh, places: &[u32]) -> bool {
-    let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(mesh.indices().len());
-    let mut piece: Vec<u32> = (0..mesh.positions().len() as u32).collect();
-    for triangle in mesh.indices().chunks_exact(3) {
-        let corners = [0, 1, 2].map(|k| places[triangle[k] as usize]);
-        for k in 0..3 {
-            let (a, b) = (corners[k], corners[(k + 1) % 3]);
-            edges.push((a.min(b), a.max(b), a < b));
-            join(&mut piece, a, b);
-        }
-    }
-    edges.sort_unstable();
-    let closed = edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|edge| {
-        let forth = edge.iter().filter(|(_, _, forth)| *forth).count();
+    let corners: Vec<u32> = mesh.indices().iter().map(|vertex| places[*vertex as usize]).collect();
+    let closed = sorted_edges(&corners).chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|edge| {
+        let forth = edge.iter().filter(|(low, _, corner)| corners[*corner as usize] == *low).count();
         2 * forth == edge.len()
     });
     if !closed {
         return false;
     }
+    let mut piece: Vec<u32> = (0..places.len() as u32).collect();
+    for triangle in corners.chunks_exact(3) {
+        join(&mut piece, triangle[0], triangle[1]);
+        join(&mut piece, triangle[1], triangle[2]);
+    }
     // Six times the volume of each piece, from a point close by so that the terms do not cancel.
     let origin = mesh.bounding_sphere().center.as_dvec3();
-    let mut volumes: HashMap<u32, f64> = HashMap::new();
-    for triangle in mesh.indices().chunks_exact(3) {
+    let mut volumes = vec![0.0; places.len()];
+    for (triangle, places) in mesh.indices().chunks_exact(3).zip(corners.chunks_exact(3)) {
         let [a, b, c] = [0, 1, 2].map(|k| corner(mesh, triangle[k]) - origin);
-        *volumes.entry(root(&mut piece, places[triangle[0] as usize])).or_default() += a.dot(b.cross(c));
+        volumes[root(&mut piece, places[0]) as usize] += a.dot(b.cross(c));
     }
-    volumes.values().all(|volume| *volume > 0.0)
+    corners.iter().all(|place| volumes[root(&mut piece, *place) as usize] > 0.0)
 }
 
 fn corner(mesh: &Mesh, vertex: u32) -> DVec3 {

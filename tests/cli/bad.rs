@@ -82,6 +82,9 @@ fn wrong_files_and_values_are_named() {
         ("paint strip.png -o out --gradient 0:#000000,2:#ffffff".into(), vec!["--gradient is 2", "0 to 1"]),
         ("paint strip.png -o out --gradient 0.5:#000000,0:#ffffff".into(), vec!["--gradient", "ascending"]),
         ("render missing.obj --paint strip.png -o out.png".into(), vec!["missing.obj", "No such file"]),
+        // The device is opened meanwhile; what is wrong with it is told after what is wrong with the input.
+        ("render missing.obj --paint strip.png -o out.png --device Voodoo".into(), vec!["error: missing.obj"]),
+        (format!("{render} --device Voodoo"), vec!["error: --device", "Voodoo"]),
         ("render folder --paint strip.png -o out.png".into(), vec!["folder", "is a folder"]),
         ("render empty.obj --paint strip.png -o out.png".into(), vec!["empty.obj"]),
         ("render strip.png --paint strip.png -o out.png".into(), vec!["strip.png"]),
