@@ -147,7 +147,7 @@ fn quilting(
     side: u32,
     to: u32,
 ) -> Result {
-    let stages = QuiltStages::new(context)?;
+    let stages = QuiltStages::new(context);
     let params = QuiltParams { block_px: 32, overlap_px: 5, ..Default::default() };
     let mut uploads = Uploads::default();
     let sample = SampleTexels::new(context, &mut uploads, texels, (side, side))?;
@@ -205,7 +205,7 @@ fn render(context: &Context, runner: &mut Runner, rounds: usize, model: &Path, s
     let moment = Moment::at_rest(Camera::framing(&mesh, &Framing::default(), 1.0)?, Lights::default());
     let mut uploads = Uploads::default();
     let guides = GuidePass::new(context, &mut uploads, &mesh, (1024, 1024))?;
-    let stages = QuiltStages::new(context)?;
+    let stages = QuiltStages::new(context);
     let paints = [Paint { texture: &texture, trajectory: &trajectory }];
     let objects = vec![0; mesh.objects().len()];
     let params = ImageParams { k, ..Default::default() };

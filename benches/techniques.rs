@@ -99,7 +99,7 @@ fn main() -> Result {
     println!("{}, {triangles} triangles, {}x{}, strip 512x128", model.display(), SIZE.0, SIZE.1);
     let mut runner = Runner::new(&context)?;
     let mut uploads = Uploads::default();
-    let stages = QuiltStages::new(&context)?;
+    let stages = QuiltStages::new(&context);
     let guides = GuidePass::new(&context, &mut uploads, &mesh, SIZE)?;
     let seconds = |start: Instant| start.elapsed().as_secs_f64();
 

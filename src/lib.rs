@@ -58,7 +58,7 @@
 //!
 //! let context = Context::new(&ContextOptions::default())?;
 //! let mut uploads = Uploads::default();
-//! let stages = QuiltStages::new(&context)?;
+//! let stages = QuiltStages::new(&context);
 //! let guides = GuidePass::new(&context, &mut uploads, &mesh, (512, 512))?;
 //! let paints = [Paint { texture: &texture, trajectory: &trajectory }];
 //! let objects = vec![0; mesh.objects().len()];

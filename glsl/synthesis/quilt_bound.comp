@@ -7,7 +7,7 @@
 // that each coordinate that is loaded serves several products.
 // The templates lie in a uniform buffer. Without a guide, a dispatch has one chunk of blocks, whose coordinates stand
 // at places that are known when the pipeline is made: lavapipe reads those once for all invocations.
-// In:  coordinates of the left and of the top strip at each position, layer below layer; templates, least errors known.  Out: tile_bounds.
+// In:  coordinates of the sample's strips at each position, texel below texel; templates, least errors known.  Out: tile_bounds.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "quilt.glsl"
@@ -22,12 +22,13 @@ layout(constant_id = 1) const uint BLOCKS = 8;
 layout(constant_id = 2) const uint ROWS = 1;
 // Whether each block is searched for within a window of its own; then STRIDE and BLOCKS are 1.
 layout(constant_id = 3) const bool WINDOWED = false;
+// A bit for each texel whose last word is the squared length of a strip.
+layout(constant_id = 4) const uint SQUARES = 0x88;
 
-layout(binding = 0, rgba32ui) uniform readonly uimage2D left_strips;
-layout(binding = 1, rgba32ui) uniform readonly uimage2D top_strips;
-layout(binding = 2, r32ui) uniform uimage2D tile_bounds;
-layout(binding = 3, rgba32f) uniform readonly image2D templates;
-layout(binding = 4, std430) readonly buffer GroupMinima { uint group_minima[]; };
+layout(binding = 0, rgba32ui) uniform readonly uimage2D coordinates;
+layout(binding = 1, r32ui) uniform uimage2D tile_bounds;
+layout(binding = 2, rgba32f) uniform readonly image2D templates;
+layout(binding = 3, std430) readonly buffer GroupMinima { uint group_minima[]; };
 
 layout(push_constant) uniform Push {
     uint position_columns, position_rows;
@@ -44,22 +45,17 @@ layout(push_constant) uniform Push {
 
 // Those of a chunk of blocks, and last their headers; shared, because lavapipe reads what is shared, at a place that is
 // known when the pipeline is made, once for all invocations.
-shared vec4 chunk[(STRIPS * LAYERS + 1) * BLOCKS];
+shared vec4 chunk[(2 * TEXELS + 1) * BLOCKS];
 shared float limits[BLOCKS];
 
-// Eight coordinates of the strip at a position, two to a word.
-uvec4 load_coordinates(uint strip, int sx, uint row, uint layer) {
-    ivec2 at = ivec2(sx, min(row, push.position_rows - 1) + push.position_rows * layer);
-    return strip == LEFT ? imageLoad(left_strips, at) : imageLoad(top_strips, at);
-}
-
+// Two coordinates of 16 bits.
 vec2 unpacked(uint word) {
     return vec2(int(word << 16) >> 16, int(word) >> 16);
 }
 
 void main() {
     uint first_slot = push.first_slot + (WINDOWED ? gl_WorkGroupID.z : 0);
-    for (uint i = gl_LocalInvocationIndex; i < (STRIPS * LAYERS + 1) * BLOCKS; i += 128) {
+    for (uint i = gl_LocalInvocationIndex; i < (2 * TEXELS + 1) * BLOCKS; i += 128) {
         chunk[i] = imageLoad(templates, ivec2(first_slot + i % BLOCKS, i / BLOCKS));
     }
     if (gl_LocalInvocationIndex < BLOCKS) {
@@ -67,7 +63,7 @@ void main() {
         limits[gl_LocalInvocationIndex] = bound_limit(group_minima[least], push.tolerance);
     }
     barrier();
-    const uint headers = STRIPS * LAYERS * BLOCKS;
+    const uint headers = 2 * TEXELS * BLOCKS;
     uint columns = WINDOWED ? uint(chunk[headers].z) : push.position_columns;
     uint column = gl_GlobalInvocationID.x;
     uint row = gl_GlobalInvocationID.y * ROWS;
@@ -77,15 +73,15 @@ void main() {
     [[unroll]] for (uint i = 0; i < ROWS * BLOCKS; i++) {
         bound[i] = chunk[headers + i % BLOCKS].x;
     }
-    [[unroll]] for (uint i = 0; i < STRIPS * LAYERS; i += 2) {
+    [[unroll]] for (uint i = 0; i < TEXELS; i++) {
         [[unroll]] for (uint r = 0; r < ROWS; r++) {
-            uvec4 words = load_coordinates(i / LAYERS, sx, row + r, i % LAYERS / 2);
+            uint y = min(row + r, push.position_rows - 1) + push.position_rows * i;
+            uvec4 words = imageLoad(coordinates, ivec2(sx, y));
             vec4 a = vec4(unpacked(words.x), unpacked(words.y));
-            // The last word of a strip is its squared length.
-            bool last = i % LAYERS == LAYERS - 2;
-            vec4 b = vec4(unpacked(words.z), last ? vec2(uintBitsToFloat(words.w), 0.0) : unpacked(words.w));
+            bool square = (SQUARES >> i & 1u) != 0;
+            vec4 b = vec4(unpacked(words.z), square ? vec2(uintBitsToFloat(words.w), 0.0) : unpacked(words.w));
             [[unroll]] for (uint k = 0; k < BLOCKS; k++) {
-                bound[r * BLOCKS + k] += dot(a, chunk[i * BLOCKS + k]) + dot(b, chunk[(i + 1) * BLOCKS + k]);
+                bound[r * BLOCKS + k] += dot(a, chunk[2 * i * BLOCKS + k]) + dot(b, chunk[(2 * i + 1) * BLOCKS + k]);
             }
         }
     }

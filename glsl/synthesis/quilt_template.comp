@@ -1,26 +1,38 @@
 #version 450
 // Pruned quilting, for the blocks of one wave: the coordinates of what is painted in their overlaps.
 //
-// The strips of a block are its overlaps with the neighbours to the left and above, the second without the corner that
-// is in the first. A strip that is painted as a whole is projected to the orthonormal directions of the sample's own
-// strips; see src/synthesis/strips.rs for the directions, and for why what quilt_bound makes of the coordinates is no
-// more than the error. Another strip counts nothing, nor do overlaps to the right and below (of blocks that close a
-// ring): leaving something out makes a bound less tight, not wrong.
-// One workgroup a block.
-// In:  canvas, directions of the left and then of the top strip (a row a direction, a texel a pixel of the strip),
-//      blocks, order.
-// Out: templates, in chunks of STRIDE blocks: by layers of four coordinates and then by blocks; after them, for each
-//      block, the constant part, the first column of its window, and how many columns that has.
+// Strips are parts of a block's overlaps with the neighbours to the left and above. One that is painted as a whole is
+// projected to the orthonormal directions of the sample's own strips; see src/synthesis/strips.rs for the directions, and
+// for why what quilt_bound makes of the coordinates is no more than the error. Another strip counts nothing, nor do
+// overlaps to the right and below (of blocks that close a ring): leaving something out makes a bound less tight, not
+// wrong.
+// One workgroup a block, an invocation for each coordinate.
+// In:  canvas, directions (a row for each coordinate that has one, a texel a pixel of its strip), blocks, order, strips.
+// Out: templates, a column a block, four coordinates a texel; in the last row, what the bound has besides its products,
+//      the first column of the block's window, and how many columns that has.
 #extension GL_GOOGLE_include_directive : require
 #include "quilt.glsl"
 
 layout(local_size_x = 128) in;
+
+struct Strip {
+    // In the block, pixels.
+    uint x, y, width, height;
+    // Whether its neighbour is the one to the left; else it is the one above.
+    uint left;
+    // Its first coordinate among all, and how many directions it has. Then come the length of what these leave out, and
+    // the squared length, which takes the place of two.
+    uint first, directions;
+    // For rounding, and the step that the sample's coordinates are in.
+    float margin, step;
+};
 
 layout(binding = 0, r32ui) uniform readonly uimage2D canvas;
 layout(binding = 1, rgba32f) uniform readonly image2D directions;
 layout(binding = 2, rgba32f) uniform writeonly image2D templates;
 layout(binding = 3, std430) readonly buffer Blocks { Block blocks[]; };
 layout(binding = 4, std430) readonly buffer Order { uint order[]; };
+layout(binding = 5, std430) readonly buffer Strips { Strip strips[]; };
 
 layout(push_constant) uniform Push {
     uint output_width, output_height;
@@ -29,21 +41,16 @@ layout(push_constant) uniform Push {
     uint columns, rows;
     // The blocks of this dispatch are order[first_block + gl_WorkGroupID.x].
     uint first_block;
-    // Lengths of vertical and horizontal strips, pixels.
-    uint vertical_px, horizontal_px;
+    uint strips;
     // The colour that is subtracted.
     float centre_r, centre_g, centre_b;
-    // Of each strip: the margin for rounding, and the steps that the sample's coordinates are in.
-    float left_margin, top_margin;
-    float left_step, top_step;
 } push;
 
 #include "prune.glsl"
 #include "fields.glsl"
 
-shared float squares[STRIPS];
-shared float coordinates[STRIPS * DIRECTIONS];
-shared bool used[STRIPS];
+// Projections, and after those of each strip its squared length.
+shared float sums[COORDINATES];
 
 vec3 canvas_colour(uint x, uint y) {
     x -= x >= push.output_width ? push.output_width : 0;
@@ -51,29 +58,48 @@ vec3 canvas_colour(uint x, uint y) {
     return vec3(unpack_rgb(imageLoad(canvas, ivec2(x, y)).r)) - vec3(push.centre_r, push.centre_g, push.centre_b);
 }
 
-float margin_of(uint strip) {
-    return strip == LEFT ? push.left_margin : push.top_margin;
+// The projection of what is painted in a strip, or its squared length.
+float project(Block block, Strip strip, uint coordinate) {
+    // Row by row, so that no product passes through many roundings.
+    float sum = 0.0;
+    float row_sum = 0.0;
+    uint dx = 0;
+    uint dy = 0;
+    for (uint pixel = 0; pixel < strip.width * strip.height; pixel++) {
+        vec3 colour = canvas_colour(block.x + strip.x + dx, block.y + strip.y + dy);
+        vec3 weight = imageLoad(directions, ivec2(pixel, coordinate)).rgb;
+        weight = coordinate < strip.first + strip.directions ? weight : colour;
+        row_sum += dot(weight, colour);
+        dx++;
+        bool ends = dx == strip.width;
+        sum += ends ? row_sum : 0.0;
+        row_sum = ends ? 0.0 : row_sum;
+        dy += ends ? 1 : 0;
+        dx = ends ? 0 : dx;
+    }
+    return sum;
 }
 
-float step_of(uint strip) {
-    return strip == LEFT ? push.left_step : push.top_step;
-}
-
-// Length of what the directions leave out of a strip.
-float left_out(uint strip) {
-    float rest = squares[strip] * (1.0 + margin_of(strip));
-    for (uint j = 0; j < DIRECTIONS; j++) {
-        float c = coordinates[strip * DIRECTIONS + j];
+// The length of what the directions leave out of a strip.
+float left_out(Strip strip) {
+    float rest = sums[strip.first + strip.directions] * (1.0 + strip.margin);
+    for (uint j = 0; j < strip.directions; j++) {
+        float c = sums[strip.first + j];
         rest -= c * c;
     }
     return sqrt(max(rest, 0.0));
 }
 
 // What a bound has besides its products, less what the sample's coordinates lack by being whole numbers of steps.
-float constant(uint strip) {
-    float margin = margin_of(strip);
-    float rounded = 1.01 * sqrt(float(DIRECTIONS)) * step_of(strip);
-    return squares[strip] * (1.0 - margin) - rounded * sqrt(squares[strip] * (1.0 + margin));
+float constant() {
+    float sum = 0.0;
+    for (uint i = 0; i < push.strips; i++) {
+        Strip strip = strips[i];
+        float square = sums[strip.first + strip.directions];
+        float rounded = 1.01 * sqrt(float(strip.directions)) * strip.step;
+        sum += square * (1.0 - strip.margin) - rounded * sqrt(square * (1.0 + strip.margin));
+    }
+    return sum;
 }
 
 void main() {
@@ -82,64 +108,38 @@ void main() {
     uint index = order[push.first_block + slot];
     Block block = blocks[index];
     bool pending = block.state == STATE_PENDING;
-    if (lane < STRIPS) {
-        int row = int(index / push.columns);
-        int col = int(index % push.columns);
-        bool neighbour = lane == LEFT ? placed(row, col, 0, -1) : placed(row, col, -1, 0);
-        bool fits = lane == LEFT ? block.height >= push.vertical_px : block.width >= push.overlap_px + push.horizontal_px;
-        used[lane] = pending && neighbour && fits;
-    }
-    barrier();
-    // After its directions, each strip's squared length.
-    for (uint i = lane; i < STRIPS * (DIRECTIONS + 1); i += GROUP) {
-        uint strip = i / (DIRECTIONS + 1);
-        uint direction = i % (DIRECTIONS + 1);
-        uint begin = strip == LEFT ? 0 : push.overlap_px;
-        uint end = strip == LEFT ? push.overlap_px : push.overlap_px + push.horizontal_px;
-        uint rows = strip == LEFT ? push.vertical_px : push.overlap_px;
-        uint pixels = used[strip] ? (end - begin) * rows : 0;
-        // Row by row, so that no product passes through many roundings.
-        float sum = 0.0;
-        float row_sum = 0.0;
-        uint dx = begin;
-        uint dy = 0;
-        for (uint pixel = 0; pixel < pixels; pixel++) {
-            vec3 colour = canvas_colour(block.x + dx, block.y + dy);
-            vec3 weight = colour;
-            if (direction < DIRECTIONS) {
-                weight = imageLoad(directions, ivec2(pixel, strip * DIRECTIONS + direction)).rgb;
-            }
-            row_sum += dot(weight, colour);
-            dx++;
-            bool ends = dx == end;
-            sum += ends ? row_sum : 0.0;
-            row_sum = ends ? 0.0 : row_sum;
-            dy += ends ? 1 : 0;
-            dx = ends ? begin : dx;
-        }
-        if (direction < DIRECTIONS) {
-            coordinates[strip * DIRECTIONS + direction] = sum;
-        } else {
-            squares[strip] = sum;
+    int row = int(index / push.columns);
+    int col = int(index % push.columns);
+    Strip strip = strips[0];
+    for (uint i = 1; i < push.strips; i++) {
+        if (strips[i].first <= lane) {
+            strip = strips[i];
         }
     }
+    bool neighbour = strip.left != 0 ? placed(row, col, 0, -1) : placed(row, col, -1, 0);
+    bool fits = strip.x + strip.width <= block.width && strip.y + strip.height <= block.height;
+    bool used = pending && neighbour && fits;
+    uint place = lane - strip.first;
+    if (lane < COORDINATES) {
+        sums[lane] = used && place <= strip.directions ? project(block, strip, lane) : 0.0;
+    }
     barrier();
-    // The last vector is the header.
-    for (uint layer = lane; layer < STRIPS * LAYERS + 1; layer += GROUP) {
-        uint strip = layer / LAYERS;
-        vec4 value = vec4(pending ? constant(LEFT) + constant(TOP) : 3.0e38, block.sx0, block.sx1 - block.sx0 + 1, 0);
-        if (strip < STRIPS) {
-            uint first = strip * DIRECTIONS + 4 * (layer % LAYERS);
-            bool last = layer % LAYERS == LAYERS - 1;
-            float c[4] = float[](0, 0, 0, 0);
-            for (uint j = 0; j < (last ? 1 : 4); j++) {
-                c[j] = -2.0 * step_of(strip) * coordinates[first + j];
-            }
-            value = vec4(c[0], c[1], c[2], c[3]);
-            if (last && used[strip]) {
-                value.yz = vec2(-2.0 * step_of(strip) * left_out(strip), 1.0);
-            }
-        }
-        imageStore(templates, ivec2(slot, layer), value);
+    float value = place < strip.directions    ? -2.0 * strip.step * sums[min(lane, COORDINATES - 1)]
+                : place == strip.directions   ? -2.0 * strip.step * left_out(strip)
+                : place == strip.directions + 1 ? 1.0
+                                              : 0.0;
+    barrier();
+    float besides = constant();
+    barrier();
+    if (lane < COORDINATES) {
+        sums[lane] = used ? value : 0.0;
+    }
+    barrier();
+    if (lane < COORDINATES / 4) {
+        uint i = 4 * lane;
+        imageStore(templates, ivec2(slot, lane), vec4(sums[i], sums[i + 1], sums[i + 2], sums[i + 3]));
+    } else if (lane == COORDINATES / 4) {
+        vec4 header = vec4(pending ? besides : 3.0e38, block.sx0, block.sx1 - block.sx0 + 1, 0);
+        imageStore(templates, ivec2(slot, lane), header);
     }
 }

@@ -173,7 +173,7 @@ impl ImageFrames {
         params: &ImageParams,
         continuity: Continuity,
     ) -> Result<Self> {
-        let stages = device.quilt_stages()?;
+        let stages = device.quilt_stages();
         let context = &device.context;
         let previous = match continuity {
             Continuity::Match(weight, _) => Some(weight),

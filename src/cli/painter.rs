@@ -86,7 +86,7 @@ impl<'a> Painter<'a> {
                 Prepared::Object(technique)
             }
             Technique::Aligned(params, frame) => {
-                let stages = device.quilt_stages()?;
+                let stages = device.quilt_stages();
                 let levels = LevelVolume::new(&context, &mut uploads, &stages, &paints.levels(), params)?;
                 let trajectories = paints.trajectories();
                 let mut technique =
@@ -100,7 +100,7 @@ impl<'a> Painter<'a> {
             }
             Technique::Dependent(views, view_px, params) => {
                 let covered = ViewCoverage::run(&context, &mut device.runner, scene.mesh, views, *view_px)?;
-                let stages = device.quilt_stages()?;
+                let stages = device.quilt_stages();
                 let mut params = *params;
                 params.range = range;
                 let all = paints.all()?;

@@ -82,7 +82,7 @@ pub fn quilt(
     params: &QuiltParams,
 ) -> Result<Quilted> {
     let mut uploads = Uploads::default();
-    let stages = device.quilt_stages()?;
+    let stages = device.quilt_stages();
     let sample = SampleTexels::new(&device.context, &mut uploads, texels, sample)?;
     let quilt = Quilt::new(&device.context, &mut uploads, &stages, &sample, size.pair(), params, None)?;
     device.upload(&mut uploads)?;

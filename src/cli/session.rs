@@ -8,6 +8,7 @@ use super::progress::Progress;
 use super::report::{print, warn_on_stderr};
 use clap::Args;
 use impasto::gpu::{Context, ContextOptions, DeviceChoice, DeviceInfo, LogCallback, PassTime, Runner, Uploads};
+use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::QuiltStages;
 use serde_json::{json, Map, Value};
 use std::path::PathBuf;
@@ -104,19 +105,19 @@ impl Session {
         Ok(device)
     }
 
-    /// Loads what the command is given while another thread opens the device and, if the command `quilts`, compiles the
-    /// stages of quilting: each takes about as long as reading a large model. What is wrong with the input is told
+    /// Loads what the command is given while another thread opens the device and, if the command quilts, compiles the
+    /// stages of quilting with these parameters: each takes about as long as reading a large model. What is wrong with the input is told
     /// first. Ends the phases `load` and `setup`.
     pub fn load_and_open<T>(
         &mut self,
-        quilts: bool,
+        quilting: Option<QuiltParams>,
         load: impl FnOnce(&mut Session) -> Result<T>,
     ) -> Result<(T, Device)> {
         let (common, messages) = (self.common.clone(), self.messages.clone());
         let open = || -> Result<Device> {
             let mut device = Device::open(&common, &messages)?;
-            if quilts {
-                device.quilt_stages()?;
+            if let Some(params) = quilting {
+                device.quilt_stages().compile(&params)?;
             }
             Ok(device)
         };
@@ -321,12 +322,8 @@ impl Device {
     }
 
     /// The stages of quilting; one serves every quilting of the command.
-    pub fn quilt_stages(&mut self) -> Result<Arc<QuiltStages>> {
-        let stages = match self.quilt_stages.take() {
-            Some(stages) => stages,
-            None => QuiltStages::new(&self.context)?,
-        };
-        Ok(self.quilt_stages.insert(stages).clone())
+    pub fn quilt_stages(&mut self) -> Arc<QuiltStages> {
+        self.quilt_stages.get_or_insert_with(|| QuiltStages::new(&self.context)).clone()
     }
 
     /// Checks a picture's size against the device's limit.

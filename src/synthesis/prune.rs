@@ -6,15 +6,18 @@
 //! ([`super::strips`]), which bounds each position's error from below. `quilt_compare` compares what is left. All
 //! admissible positions are among it, so that `quilt_place` makes the same choice among them as it would among all.
 
-use super::params::{Layout, QuiltParams};
-use super::quilt_stages::{chunk, SearchPush, Targets, GROUP};
-use super::strips::{StripBasis, StripShape};
+use super::params::{Layout, Placement, QuiltParams};
+use super::quilt_stages::{chunk, SearchPush, Stage, Targets, GROUP};
+use super::sample::SampleTexels;
+use super::strips::{Packed, StripBasis, StripShape};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Bound, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder,
     Shader, Uploads,
 };
 use crate::Result;
 use ash::vk;
+use std::sync::Arc;
+use std::thread;
 
 pub(crate) const QUILT_AIM: Shader = Shader {
     name: "quilt_aim",
@@ -40,6 +43,7 @@ pub(crate) const QUILT_TEMPLATE: Shader = Shader {
         BindingKind::Image(Access::ComputeWrite),
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
     ],
     push_bytes: size_of::<TemplatePush>() as u32,
 };
@@ -48,7 +52,6 @@ pub(crate) const QUILT_BOUND: Shader = Shader {
     name: "quilt_bound",
     spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_bound.comp.spv"),
     bindings: &[
-        BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeReadWrite),
         BindingKind::Image(Access::ComputeRead),
@@ -83,15 +86,25 @@ pub(super) struct TemplatePush {
     pub columns: u32,
     pub rows: u32,
     pub first_block: u32,
-    pub vertical_px: u32,
-    pub horizontal_px: u32,
+    pub strips: u32,
     pub centre_r: f32,
     pub centre_g: f32,
     pub centre_b: f32,
-    pub left_margin: f32,
-    pub top_margin: f32,
-    pub left_step: f32,
-    pub top_step: f32,
+}
+
+/// `Strip` of quilt_template.comp.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(super) struct StripData {
+    pub x: u32,
+    pub y: u32,
+    pub width: u32,
+    pub height: u32,
+    pub left: u32,
+    pub first: u32,
+    pub directions: u32,
+    pub margin: f32,
+    pub step: f32,
 }
 
 #[repr(C)]
@@ -105,101 +118,144 @@ pub(super) struct BoundPush {
     pub first_least: u32,
 }
 
-/// Strips of a block, as in prune.glsl.
-const STRIPS: u32 = 2;
-/// Directions that strips are projected to; a strip's coordinates are those, and two more.
-const DIRECTIONS: u32 = 29;
-/// Layers of four coordinates.
-const LAYERS: u32 = (DIRECTIONS + 3) / 4;
 /// Words in a row of the tiles' bounds, as in tile_bounds.glsl.
 const BOUND_WORDS: u32 = 1024;
 /// Groups of positions that a workgroup of `quilt_compare` takes, as there.
 const SPAN: u32 = 16;
-/// Blocks that an invocation of `quilt_bound` takes, where all are searched for everywhere; and for how many of them
-/// there are pipelines.
-const BLOCKS: u32 = 8;
-const BLOCK_COUNTS: [u32; 3] = [2, 4, 8];
-/// Rows of positions that an invocation takes, where blocks have windows of their own.
+/// For how many blocks an invocation of `quilt_bound` can be compiled where all are searched for everywhere, and how
+/// many rows of positions it then takes.
+const BLOCK_COUNTS: [u32; 2] = [5, 10];
+const ROWS: u32 = 2;
+/// Rows of positions that an invocation takes where each block has a window of its own.
 const WINDOWED_ROWS: u32 = 4;
 /// Positions of `quilt_bound`'s workgroups: across, and rows of invocations.
 const BOUND_GROUP: [u32; 2] = [8, 16];
 /// More bytes of coordinates are not made.
 const MOST_BYTES: u64 = 256 << 20;
+/// Texels of eight coordinates for the strips on one side of a block: fewer where that leaves out little.
+const TEXELS: [u32; 2] = [2, 4];
+/// The share of strips' squared lengths that may be left out by the fewer.
+const LEFT_OUT: f64 = 0.3;
+/// A strip shorter than this is not worth coordinates of its own, pixels.
+const SHORTEST_PX: u32 = 3;
 
-/// The compiled stages of a pruned search.
-pub(super) struct PruneStages {
-    aim: [ComputePipeline; 3],
-    template: ComputePipeline,
-    bound: [ComputePipeline; 3],
-    bound_windowed: ComputePipeline,
-    compare: [ComputePipeline; 3],
+/// Directions of a strip that has so many texels of coordinates: three words of 16 bits are taken by the length of what
+/// is left out, and by the squared length.
+fn directions(texels: u32) -> usize {
+    8 * texels as usize - 3
 }
 
-impl PruneStages {
-    pub fn new(context: &Context) -> Result<Self> {
-        let by_chunk = |shader: &Shader| {
-            let pipeline = |chunk| ComputePipeline::specialized(context, shader, &[chunk]);
-            Ok::<_, crate::Error>([pipeline(4)?, pipeline(5)?, pipeline(6)?])
-        };
-        let bound = |blocks, rows, windowed| {
-            ComputePipeline::specialized(context, &QUILT_BOUND, &[LAYERS, blocks, rows, windowed])
-        };
-        let [a, b, c] = BLOCK_COUNTS;
-        Ok(PruneStages {
-            aim: by_chunk(&QUILT_AIM)?,
-            template: ComputePipeline::specialized(context, &QUILT_TEMPLATE, &[LAYERS])?,
-            bound: [bound(a, 2, 0)?, bound(b, 2, 0)?, bound(c, 2, 0)?],
-            bound_windowed: bound(1, WINDOWED_ROWS, 1)?,
-            compare: by_chunk(&QUILT_COMPARE)?,
-        })
+/// A part of a block's overlap with its left or its upper neighbour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Strip {
+    x: u32,
+    y: u32,
+    shape: StripShape,
+    left: bool,
+    /// Whether it is the shorter of two parts.
+    shorter: bool,
+}
+
+impl Strip {
+    /// How many texels of coordinates it has.
+    fn texels(&self, split: bool, all: u32) -> u32 {
+        match (split, self.shorter) {
+            (true, true) => 1,
+            (true, false) => (all - 1).max(2),
+            (false, _) => all,
+        }
     }
 }
 
-/// What is projected: the shapes of a block's left and top strips.
-fn shapes(params: &QuiltParams, layout: &Layout) -> [StripShape; 2] {
-    // All blocks but those that the output cuts off, or the smallest of a ring.
-    let (width, height) = if params.tileable {
-        let least = |side: fn(&super::params::Placement) -> u32| layout.placements.iter().map(side).min();
-        (least(|p| p.width), least(|p| p.height))
-    } else {
-        (None, None)
-    };
-    let (width, height) = (width.unwrap_or(params.block_px), height.unwrap_or(params.block_px));
+/// The strips of blocks. Those that the output cuts off have only the first part of a strip whole, so there is one that
+/// ends where the output does, and another for the rest.
+fn strips(params: &QuiltParams, layout: &Layout) -> Vec<Strip> {
     let overlap = params.overlap_px;
-    [StripShape { width: overlap, height }, StripShape { width: width - overlap, height: overlap }]
+    // Side by side: where they begin and end along the side.
+    let parts = |from: u32, least: u32| {
+        let whole = if params.tileable { least } else { params.block_px };
+        let split = least >= from + SHORTEST_PX && whole >= least + SHORTEST_PX;
+        if split { vec![(from, least), (least, whole)] } else { vec![(from, whole)] }
+    };
+    let least = |side: fn(&Placement) -> u32| layout.placements.iter().map(side).min().unwrap_or(params.block_px);
+    let strip = |(begin, end): (u32, u32), left, shorter| {
+        let length = end - begin;
+        let (width, height) = if left { (overlap, length) } else { (length, overlap) };
+        let (x, y) = if left { (0, begin) } else { (begin, 0) };
+        Strip { x, y, shape: StripShape { width, height }, left, shorter }
+    };
+    let side = |from, least, left| {
+        let parts: Vec<(u32, u32)> = parts(from, least);
+        let longest = parts.iter().map(|(begin, end)| end - begin).max();
+        parts.into_iter().map(move |part| strip(part, left, Some(part.1 - part.0) != longest)).collect::<Vec<_>>()
+    };
+    [side(0, least(|p| p.height), true), side(overlap, least(|p| p.width), false)].concat()
+}
+
+/// The directions of each strip, and the coordinates of the sample's strips.
+fn project(sample: &SampleTexels, strips: &[Strip], [columns, rows]: [u32; 2]) -> Vec<(StripBasis, Packed)> {
+    let split = |strip: &Strip| strips.iter().filter(|other| other.left == strip.left).count() > 1;
+    let basis = |strip: &Strip| {
+        let components = directions(strip.texels(split(strip), TEXELS[1]));
+        StripBasis::new(sample.texels(), sample.size(), strip.shape, components)
+    };
+    let mut bases: Vec<StripBasis> = on_threads(strips, basis);
+    let long = || bases.iter().zip(strips).filter(|(_, strip)| !strip.shorter);
+    let left_out: f64 = long().map(|(basis, _)| basis.left_out(directions(TEXELS[0]))).sum();
+    if left_out <= LEFT_OUT * long().count() as f64 {
+        let fewer = |strip: &Strip| directions(strip.texels(split(strip), TEXELS[0]));
+        bases.iter_mut().zip(strips).for_each(|(basis, strip)| basis.truncate(fewer(strip)));
+    }
+    let pairs: Vec<_> = bases.iter().zip(strips).collect();
+    let packed = on_threads(&pairs, |(basis, strip)| {
+        basis.packed(sample.texels(), sample.size(), (strip.x, strip.y), (columns, rows))
+    });
+    bases.into_iter().zip(packed).collect()
+}
+
+/// Maps each item on a thread of its own.
+fn on_threads<T: Sync, R: Send>(items: &[T], map: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let map = &map;
+    thread::scope(|scope| {
+        let running: Vec<_> = items.iter().map(|item| scope.spawn(move || map(item))).collect();
+        let joined = running.into_iter().map(|thread| thread.join().unwrap_or_else(|e| std::panic::resume_unwind(e)));
+        joined.collect()
+    })
 }
 
 /// Pruning of one quilting's search.
 pub(super) struct Prune {
-    shapes: [StripShape; 2],
-    bases: [StripBasis; 2],
-    /// What the coordinates are in.
-    steps: [f32; 2],
+    aim: Stage,
+    template: Stage,
+    /// For so many blocks.
+    bound: Vec<(u32, Arc<ComputePipeline>)>,
+    bound_set: BindingSet,
+    compare: Stage,
+    tile_bounds: Image,
+    strips: u32,
+    centre: [f32; 3],
     /// Columns and rows of positions.
     positions: [u32; 2],
     windowed: bool,
     bound_rows: u32,
     first_least: u32,
-    aim_set: BindingSet,
-    template_set: BindingSet,
-    bound_set: BindingSet,
-    compare_set: BindingSet,
-    tile_bounds: Image,
 }
 
 impl Prune {
-    /// Whether a search for so many blocks with so many groups of positions each can be pruned on this device.
+    /// Whether a search in such a sample can be pruned on this device.
     pub fn possible(context: &Context, params: &QuiltParams, sample: (u32, u32)) -> bool {
         let [columns, rows] = positions(params, sample);
-                let texels = u64::from(columns) * u64::from(rows) * u64::from(LAYERS / 2);
+        // Both sides, and two parts of each that need one more.
+        let texels = 2 * (TEXELS[1] + 1);
         let side = context.caps().max_image_2d_px;
-        columns.max(BOUND_WORDS) <= side && rows * LAYERS / 2 <= side && texels * 16 * u64::from(STRIPS) <= MOST_BYTES
+        let fits = columns.max(BOUND_WORDS) <= side && rows * texels <= side;
+        fits && u64::from(columns) * u64::from(rows) * u64::from(texels) * 16 <= MOST_BYTES
     }
 
     /// Blocks that may be searched for at once.
     pub fn most_blocks(context: &Context, groups_per_block: u32) -> u32 {
         let side = context.caps().max_image_2d_px;
-        (side / bound_rows(groups_per_block)).min(side / BLOCKS * BLOCKS)
+        (side / bound_rows(groups_per_block)).min(side - BLOCK_COUNTS[1])
     }
 
     /// Prepares pruning for dispatches of up to `batch` blocks, which have windows of their own or are searched for
@@ -214,57 +270,69 @@ impl Prune {
         windowed: bool,
     ) -> Result<Self> {
         let sample = targets.sample;
-        let shapes = shapes(params, layout);
-        let [columns, rows] = positions(params, sample.size());
-        let basis = |shape| StripBasis::new(sample.texels(), sample.size(), shape, DIRECTIONS as usize);
-        let bases = [basis(shapes[0]), basis(shapes[1])];
+        let positions = positions(params, sample.size());
+        let strips = strips(params, layout);
+        let projected = project(sample, &strips, positions);
         let mut picture = |name, size: (u32, u32), format, data: &[u8]| {
             let image = Image::new(context, name, &ImageDesc::storage_2d(size.0, size.1, format))?;
             uploads.image(context, &image, data)?;
             Ok::<_, crate::Error>(image)
         };
-        let mut strips = |name, basis: &StripBasis, first| {
-            let packed = basis.packed(sample.texels(), sample.size(), first, (columns, rows));
-            let size = (columns, rows * LAYERS / 2);
-            Ok::<_, crate::Error>((picture(name, size, vk::Format::R32G32B32A32_UINT, bytemuck::cast_slice(&packed.texels))?, packed.step))
-        };
-        let (left, left_step) = strips("quilt left strips", &bases[0], (0, 0))?;
-        let (top, top_step) = strips("quilt top strips", &bases[1], (params.overlap_px, 0))?;
-        let (size, texels) = directions(&bases);
-        let format = vk::Format::R32G32B32A32_SFLOAT;
-        let directions = picture("quilt directions", size, format, bytemuck::cast_slice(&texels))?;
+        let data = strip_data(&strips, &projected);
+        let texels = projected.iter().map(|(basis, _)| basis.components as u32 + 3).sum::<u32>() / 8;
+        let all: Vec<[u32; 4]> = projected.iter().flat_map(|(_, packed)| &packed.texels).copied().collect();
+        let size = (positions[0], positions[1] * texels);
+        let coordinates = picture("quilt coordinates", size, vk::Format::R32G32B32A32_UINT, bytemuck::cast_slice(&all))?;
+        let (size, rows) = direction_rows(&projected, texels);
+        let floats = vk::Format::R32G32B32A32_SFLOAT;
+        let directions = picture("quilt directions", size, floats, bytemuck::cast_slice(&rows))?;
+        let strip_buffer = Buffer::new(context, "quilt strips", BufferKind::Storage, size_of_val(&data[..]) as u64)?;
+        uploads.buffer(context, &strip_buffer, bytemuck::cast_slice(&data))?;
 
         let bound_rows = bound_rows(groups_per_block);
         let desc = ImageDesc::storage_2d(BOUND_WORDS, bound_rows * batch, vk::Format::R32_UINT);
-        let tile_bounds = Image::new(context, "quilt tile_bounds", &desc)?;
-        // A column each, and room for those that a chunk lacks.
-        let columns_of = batch.next_multiple_of(BLOCKS);
-        let desc = ImageDesc::storage_2d(columns_of, STRIPS * LAYERS + 1, vk::Format::R32G32B32A32_SFLOAT);
+        let tile_bounds = Image::new(context, "quilt tile bounds", &desc)?;
+        // Room for those that a dispatch of `quilt_bound` lacks.
+        let desc = ImageDesc::storage_2d(batch + BLOCK_COUNTS[1], 2 * texels + 1, floats);
         let templates = Image::new(context, "quilt templates", &desc)?;
 
-        let at = chunk(params);
-        let stages = &targets.stages.prune;
+        // A bit for each texel that ends with a squared length.
+        let squares = data.iter().fold(0, |bits, strip| bits | 1 << ((strip.first + strip.directions) / 8));
+        let stages = targets.stages;
+        let bound = |blocks, rows, windowed| {
+            stages.pipeline(&QUILT_BOUND, &[texels, blocks, rows, u32::from(windowed), squares]).map(|stage| (blocks, stage))
+        };
+        let longest = batch.min(BLOCK_COUNTS[1]);
+        let bound = if windowed {
+            vec![bound(1, WINDOWED_ROWS, true)?]
+        } else {
+            let needed = if longest > BLOCK_COUNTS[0] { &BLOCK_COUNTS[..] } else { &BLOCK_COUNTS[..1] };
+            needed.iter().map(|&blocks| bound(blocks, ROWS, false)).collect::<Result<_>>()?
+        };
+        let aim = stages.pipeline(&QUILT_AIM, &[chunk(params)])?;
+        let template = stages.pipeline(&QUILT_TEMPLATE, &[texels])?;
+        let compare = stages.pipeline(&QUILT_COMPARE, &[chunk(params)])?;
+
         let picked: [Bound; 2] = [targets.blocks.into(), targets.order.into()];
         let compared = [sample.image().into(), sample.squares().into(), targets.canvas.into(), (&tile_bounds).into()];
         let aimed = [&compared[..], &picked, &[targets.minima.into()]].concat();
         let errors = [targets.errors.into(), targets.minima.into()];
-        let projected = [targets.canvas.into(), (&directions).into(), (&templates).into()];
-        let projected = [&projected[..], &picked].concat();
-        let bounded: [Bound; 5] =
-            [(&left).into(), (&top).into(), (&tile_bounds).into(), (&templates).into(), targets.minima.into()];
+        let painted = [targets.canvas.into(), (&directions).into(), (&templates).into()];
+        let painted = [&painted[..], &picked, &[(&strip_buffer).into()]].concat();
+        let bounded = [(&coordinates).into(), (&tile_bounds).into(), (&templates).into(), targets.minima.into()];
         Ok(Prune {
-            positions: [columns, rows],
+            aim: Stage::new(context, aim, &aimed)?,
+            template: Stage::new(context, template, &painted)?,
+            bound_set: BindingSet::new(context, &*bound[0].1, &bounded)?,
+            bound,
+            compare: Stage::new(context, compare, &[&compared[..], &picked, &errors].concat())?,
+            tile_bounds,
+            strips: data.len() as u32,
+            centre: projected.first().map_or([0.0; 3], |(basis, _)| basis.centre),
+            positions,
             windowed,
             bound_rows,
             first_least: batch * groups_per_block,
-            aim_set: BindingSet::new(context, &stages.aim[at], &aimed)?,
-            template_set: BindingSet::new(context, &stages.template, &projected)?,
-            bound_set: BindingSet::new(context, &stages.bound_windowed, &bounded)?,
-            compare_set: BindingSet::new(context, &stages.compare[at], &[&compared[..], &picked, &errors].concat())?,
-            tile_bounds,
-            shapes,
-            bases,
-            steps: [left_step, top_step],
         })
     }
 
@@ -273,23 +341,16 @@ impl Prune {
         self.bound_rows
     }
 
-    /// Which positions are left after [`Prune::record`].
+    /// Which tiles were compared, after [`Prune::record`].
     pub fn tile_bounds(&self) -> &Image {
         &self.tile_bounds
     }
 
     /// Records the search for `blocks` blocks from `order[push.first_block]` on; `columns` is how many columns of
     /// positions a block is searched at, at most.
-    pub fn record(
-        &self,
-        recorder: &mut Recorder<'_>,
-        stages: &PruneStages,
-        (push, chunk): (&SearchPush, usize),
-        columns: u32,
-        blocks: u32,
-    ) {
+    pub fn record(&self, recorder: &mut Recorder<'_>, push: &SearchPush, columns: u32, blocks: u32) {
         let push = SearchPush { bound_rows: self.bound_rows, first_least: self.first_least, ..*push };
-        let [centre_r, centre_g, centre_b] = self.bases[0].centre;
+        let [centre_r, centre_g, centre_b] = self.centre;
         let template = TemplatePush {
             output: push.output,
             block_px: push.block_px,
@@ -298,40 +359,40 @@ impl Prune {
             columns: push.columns,
             rows: push.rows,
             first_block: push.first_block,
-            vertical_px: self.shapes[0].height,
-            horizontal_px: self.shapes[1].width,
+            strips: self.strips,
             centre_r,
             centre_g,
             centre_b,
-            left_margin: self.bases[0].margin,
-            top_margin: self.bases[1].margin,
-            left_step: self.steps[0],
-            top_step: self.steps[1],
         };
-        recorder.dispatch(&stages.aim[chunk], &self.aim_set, &push, [blocks, 1, 1]);
-        recorder.dispatch(&stages.template, &self.template_set, &template, [blocks, 1, 1]);
-        let [position_columns, position_rows] = self.positions;
-        let bound = |first_slot| BoundPush {
-            position_columns,
-            position_rows,
-            first_slot,
-            bound_rows: self.bound_rows,
-            tolerance: push.tolerance,
-            first_least: self.first_least,
-        };
-        let groups = |rows, blocks| [columns.div_ceil(BOUND_GROUP[0]), position_rows.div_ceil(BOUND_GROUP[1] * rows), blocks];
-        if self.windowed {
-            let groups = groups(WINDOWED_ROWS, blocks);
-            recorder.dispatch(&stages.bound_windowed, &self.bound_set, &bound(0), groups);
-        } else {
-            for first in (0..blocks).step_by(BLOCKS as usize) {
-                let here = (blocks - first).min(BLOCKS);
-                let at = BLOCK_COUNTS.iter().position(|&most| here <= most).unwrap_or(BLOCK_COUNTS.len() - 1);
-                recorder.dispatch(&stages.bound[at], &self.bound_set, &bound(first), groups(2, 1));
-            }
-        }
+        recorder.dispatch(&self.aim.pipeline, &self.aim.set, &push, [blocks, 1, 1]);
+        recorder.dispatch(&self.template.pipeline, &self.template.set, &template, [blocks, 1, 1]);
+        self.record_bound(recorder, &push, columns, blocks);
         let groups = [push.groups_per_block.div_ceil(SPAN), blocks, 1];
-        recorder.dispatch(&stages.compare[chunk], &self.compare_set, &push, groups);
+        recorder.dispatch(&self.compare.pipeline, &self.compare.set, &push, groups);
+    }
+
+    fn record_bound(&self, recorder: &mut Recorder<'_>, push: &SearchPush, columns: u32, blocks: u32) {
+        let [position_columns, position_rows] = self.positions;
+        let across = columns.div_ceil(BOUND_GROUP[0]);
+        let down = |rows| position_rows.div_ceil(BOUND_GROUP[1] * rows);
+        let mut first_slot = 0;
+        while first_slot < blocks {
+            let left = blocks - first_slot;
+            let enough = self.bound.iter().find(|(count, _)| *count >= left).or(self.bound.last());
+            let Some((count, stage)) = enough else { break };
+            let here = if self.windowed { left } else { *count };
+            let bound = BoundPush {
+                position_columns,
+                position_rows,
+                first_slot,
+                bound_rows: self.bound_rows,
+                tolerance: push.tolerance,
+                first_least: self.first_least,
+            };
+            let groups = if self.windowed { [across, down(WINDOWED_ROWS), here] } else { [across, down(ROWS), 1] };
+            recorder.dispatch(stage, &self.bound_set, &bound, groups);
+            first_slot += here;
+        }
     }
 }
 
@@ -340,23 +401,43 @@ fn positions(params: &QuiltParams, (width, height): (u32, u32)) -> [u32; 2] {
     [width - params.block_px + 1, height - params.block_px + 1]
 }
 
-/// Rows of tile_bounds that a block needs.
+/// Rows of the tiles' bounds that a block needs.
 fn bound_rows(groups_per_block: u32) -> u32 {
     (groups_per_block * GROUP).div_ceil(BOUND_WORDS)
 }
 
-/// The directions as `quilt_template` reads them: a row each, a texel for each pixel of the strip.
-fn directions(bases: &[StripBasis; 2]) -> ((u32, u32), Vec<[f32; 4]>) {
-    let width = bases.iter().map(|basis| basis.shape.width * basis.shape.height).max().unwrap_or(1) as usize;
-    let mut texels = vec![[0.0; 4]; width * (STRIPS * DIRECTIONS) as usize];
-    let rows = bases.iter().flat_map(|basis| {
-        let pixels = (basis.shape.width * basis.shape.height) as usize;
-        basis.weights.chunks_exact(3 * pixels)
+/// The strips as `quilt_template` reads them.
+fn strip_data(strips: &[Strip], projected: &[(StripBasis, Packed)]) -> Vec<StripData> {
+    let mut first = 0;
+    let data = strips.iter().zip(projected).map(|(strip, (basis, packed))| {
+        let data = StripData {
+            x: strip.x,
+            y: strip.y,
+            width: strip.shape.width,
+            height: strip.shape.height,
+            left: u32::from(strip.left),
+            first,
+            directions: basis.components as u32,
+            margin: basis.margin,
+            step: packed.step,
+        };
+        first += data.directions + 3;
+        data
     });
-    for (to, row) in texels.chunks_exact_mut(width).zip(rows) {
+    data.collect()
+}
+
+/// The directions as `quilt_template` reads them: for each coordinate a row, a texel for each pixel of its strip.
+fn direction_rows(projected: &[(StripBasis, Packed)], texels: u32) -> ((u32, u32), Vec<[f32; 4]>) {
+    let pixels = |basis: &StripBasis| (basis.shape.width * basis.shape.height) as usize;
+    let width = projected.iter().map(|(basis, _)| pixels(basis)).max().unwrap_or(1);
+    let none = [const { &[] as &[f32] }; 3];
+    let rows = projected.iter().flat_map(|(basis, _)| basis.weights.chunks_exact(3 * pixels(basis)).chain(none));
+    let mut texel_rows = vec![[0.0; 4]; width * 8 * texels as usize];
+    for (to, row) in texel_rows.chunks_exact_mut(width).zip(rows) {
         for (to, from) in to.iter_mut().zip(row.chunks_exact(3)) {
             to[..3].copy_from_slice(from);
         }
     }
-    ((width as u32, STRIPS * DIRECTIONS), texels)
+    ((width as u32, 8 * texels), texel_rows)
 }

@@ -13,9 +13,9 @@
 use super::params::{BlockRecord, Layout, QuiltParams};
 use super::prune::Prune;
 use super::quilt_stages::{
-    chunk, BlockData, GuidePush, MatchPush, PlacePush, Rows, SearchPush, Targets, GROUP, STATE_PLACED, TILE,
+    BlockData, GuidePush, MatchPush, PlacePush, Rows, SearchPush, Stage, Targets, GROUP, QUILT_GUIDE, STATE_PLACED, TILE,
 };
-use crate::gpu::{BindingSet, Buffer, BufferKind, Context, Image, ImageDesc, Recorder, Runner, Uploads};
+use crate::gpu::{Buffer, BufferKind, Context, Image, ImageDesc, Recorder, Runner, Uploads};
 use crate::{Error, Result};
 use ash::vk;
 use std::ops::Range;
@@ -93,17 +93,17 @@ enum Step {
 /// What a search compares a block with.
 enum Search {
     /// What is painted in its overlaps.
-    Overlap(BindingSet),
+    Overlap(Stage),
     /// The same, without positions that cannot be chosen.
     Pruned(Box<Prune>),
     /// What is painted in its overlaps, and another picture; how much a pixel of either counts.
-    Weighted { set: BindingSet, weights: [u32; 2] },
+    Weighted { stage: Stage, weights: [u32; 2] },
 }
 
 /// Waves of blocks, and what places them in this order.
 struct Waves {
     search: Search,
-    place_set: BindingSet,
+    place: Stage,
     /// With their cost in pixel comparisons.
     steps: Vec<(Step, u64)>,
 }
@@ -120,7 +120,7 @@ pub struct Quilt {
     /// The canvas of the synthesis before, if blocks are to match it.
     previous: Option<Image>,
     pub(super) blocks: Buffer,
-    guide_set: BindingSet,
+    find: Stage,
     waves: Waves,
     /// Columns of positions that a block is searched at, at most.
     pub(super) columns: u32,
@@ -195,7 +195,8 @@ impl Quilt {
         let minima = storage("quilt group minima", u64::from(groups_per_block + 1) * u64::from(batch) * 4)?;
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
         let guide_image = guide.as_ref().map_or(sample.image(), |guide| &guide.image);
-        let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), (&blocks).into()])?;
+        let found = [guide_image.into(), (&blocks).into()];
+        let find = Stage::new(context, stages.pipeline(&QUILT_GUIDE, &[])?, &found)?;
         let most_groups = context.caps().max_group_count_x;
         let order_list: Vec<u32> = layout.waves.iter().flatten().copied().collect();
         let order = storage("quilt order", size_of_val(&order_list[..]) as u64)?;
@@ -212,19 +213,20 @@ impl Quilt {
         };
         let search = match (&previous, previous_weight) {
             (Some(previous), Some(weight)) => {
-                Search::Weighted { set: targets.match_set(context, previous)?, weights: [OVERLAP_WEIGHT, weight] }
+                let stage = targets.matching(context, Some(previous))?;
+                Search::Weighted { stage, weights: [OVERLAP_WEIGHT, weight] }
             }
             _ if pruned => {
                 let size = (batch, groups_per_block);
                 Search::Pruned(Box::new(Prune::new(context, uploads, &targets, params, &layout, size, windowed)?))
             }
-            _ => Search::Overlap(targets.search_set(context, chunk(params))?),
+            _ => Search::Overlap(targets.search(context, params)?),
         };
         let tile_bounds = if let Search::Pruned(prune) = &search { Some(prune.tile_bounds()) } else { None };
-        let place_set = targets.place_set(context, tile_bounds)?;
+        let place = targets.place(context, tile_bounds)?;
         let waves = Waves {
             search,
-            place_set,
+            place,
             steps: steps(params, &layout.waves, groups_per_block, batch, if pruned { u32::MAX } else { most_groups }),
         };
         Ok(Quilt {
@@ -237,7 +239,7 @@ impl Quilt {
             source,
             previous,
             blocks,
-            guide_set,
+            find,
             waves,
             columns,
             groups_per_block,
@@ -330,7 +332,7 @@ impl Quilt {
             // More than a sample is wide makes no difference, and stays clear of overflow.
             window_px: self.guide.as_ref().map_or(0, |guide| guide.window_px.min(self.sample_size.0)),
         };
-        recorder.dispatch(&self.stages.guide, &self.guide_set, &push, self.groups_by_block());
+        recorder.dispatch(&self.find.pipeline, &self.find.set, &push, self.groups_by_block());
     }
 
     /// Workgroups for a stage that has one for each block.
@@ -390,12 +392,10 @@ impl Quilt {
                 Step::Place { blocks } => {
                     let mut push = self.place_push(blocks.start, rows, self.params.tolerance, seed, frame);
                     let count = [blocks.len() as u32, 1, 1];
-                    let mut pruned = 0;
                     if let Search::Pruned(prune) = &self.waves.search {
                         push.bound_rows = prune.bound_rows();
-                        pruned = 1;
                     }
-                    recorder.dispatch(&self.stages.place[pruned], &self.waves.place_set, &push, count);
+                    recorder.dispatch(&self.waves.place.pipeline, &self.waves.place.set, &push, count);
                 }
             }
         }
@@ -420,13 +420,11 @@ impl Quilt {
             first_least: 0,
         };
         match &self.waves.search {
-            Search::Overlap(set) => recorder.dispatch(&self.stages.search[chunk(params)], set, &push, count),
-            Search::Pruned(prune) => {
-                prune.record(recorder, &self.stages.prune, (&push, chunk(params)), self.columns, blocks.len() as u32);
-            }
-            Search::Weighted { set, weights } => {
+            Search::Overlap(stage) => recorder.dispatch(&stage.pipeline, &stage.set, &push, count),
+            Search::Pruned(prune) => prune.record(recorder, &push, self.columns, blocks.len() as u32),
+            Search::Weighted { stage, weights } => {
                 let push = MatchPush { first_group: groups.start, ..self.match_push(blocks.start, rows, *weights) };
-                recorder.dispatch(&self.stages.matching[1], set, &push, count);
+                recorder.dispatch(&stage.pipeline, &stage.set, &push, count);
             }
         }
     }

@@ -2,12 +2,12 @@
 //! to. [`super::quilt`] and [`super::repair`] say in which order they run.
 
 use super::params::QuiltParams;
-use super::prune::{BoundPush, PruneStages, TemplatePush};
+use super::prune::{BoundPush, StripData, TemplatePush, QUILT_AIM, QUILT_COMPARE};
 use super::repair::FitPush;
 use super::sample::SampleTexels;
 use crate::gpu::{Access, BindingKind, BindingSet, Bound, Buffer, ComputePipeline, Context, DeviceKind, Image, Shader};
 use crate::Result;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
 pub(super) const GROUP: u32 = 128;
@@ -178,8 +178,9 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
             tolerance bound_rows first_least),
         shared!("synthesis/quilt_template.comp", "uniform Push", TemplatePush,
-            output block_px overlap_px tileable columns rows first_block vertical_px horizontal_px centre_r centre_g
-            centre_b left_margin top_margin left_step top_step),
+            output block_px overlap_px tileable columns rows first_block strips centre_r centre_g centre_b),
+        shared!("synthesis/quilt_template.comp", "struct Strip", StripData,
+            x y width height left first directions margin step),
         shared!("synthesis/quilt_bound.comp", "uniform Push", BoundPush,
             position_columns position_rows first_slot bound_rows tolerance first_least),
         shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,
@@ -205,44 +206,47 @@ pub enum Pruning {
     Off,
 }
 
-/// The compiled stages; one for a context serves every quilting.
+/// The compiled stages; one for a context serves every quilting. A stage is compiled when a quilting that needs it is
+/// made, and kept.
 pub struct QuiltStages {
-    pub(super) guide: ComputePipeline,
-    /// One for each size of chunk, 4, 5 and 6.
-    pub(super) search: [ComputePipeline; 3],
-    /// Without and with another picture to match.
-    pub(super) matching: [ComputePipeline; 2],
-    /// After a full search and after a pruned one.
-    pub(super) place: [ComputePipeline; 2],
-    pub(super) prune: PruneStages,
+    context: Context,
     pruning: Pruning,
+    compiled: Mutex<Vec<(&'static str, Vec<u32>, Arc<ComputePipeline>)>>,
 }
 
 impl QuiltStages {
-    /// Compiles the stages.
-    ///
-    /// # Errors
-    /// [`crate::Error::Vulkan`] when a call fails.
-    pub fn new(context: &Context) -> Result<Arc<Self>> {
+    /// For searches that are pruned where it pays.
+    pub fn new(context: &Context) -> Arc<Self> {
         Self::with_pruning(context, Pruning::Auto)
     }
 
-    /// Compiles the stages, for searches that are pruned or not.
+    /// For searches that are pruned or not.
+    pub fn with_pruning(context: &Context, pruning: Pruning) -> Arc<Self> {
+        Arc::new(QuiltStages { context: context.clone(), pruning, compiled: Mutex::default() })
+    }
+
+    /// Compiles what any quilting with these parameters needs, so that making one takes less long.
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`] when a call fails.
-    pub fn with_pruning(context: &Context, pruning: Pruning) -> Result<Arc<Self>> {
-        let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk]);
-        let place = |pruned| ComputePipeline::specialized(context, &QUILT_PLACE, &[pruned]);
-        let matching = |previous| ComputePipeline::specialized(context, &QUILT_MATCH, &[previous]);
-        Ok(Arc::new(QuiltStages {
-            guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
-            search: [search(4)?, search(5)?, search(6)?],
-            matching: [matching(0)?, matching(1)?],
-            place: [place(0)?, place(1)?],
-            prune: PruneStages::new(context)?,
-            pruning,
-        }))
+    pub fn compile(&self, params: &QuiltParams) -> Result<()> {
+        self.pipeline(&QUILT_GUIDE, &[])?;
+        let pruned = self.prunes(&self.context, u64::MAX);
+        self.pipeline(&QUILT_PLACE, &[u32::from(pruned)])?;
+        let searches: &[&Shader] = if pruned { &[&QUILT_AIM, &QUILT_COMPARE] } else { &[&QUILT_SEARCH] };
+        searches.iter().try_for_each(|search| self.pipeline(search, &[chunk(params)]).map(drop))
+    }
+
+    /// The pipeline of a shader with these specialisation constants.
+    pub(super) fn pipeline(&self, shader: &Shader, constants: &[u32]) -> Result<Arc<ComputePipeline>> {
+        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = compiled.iter().find(|(name, of, _)| *name == shader.name && of == constants);
+        if let Some((_, _, pipeline)) = found {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = Arc::new(ComputePipeline::specialized(&self.context, shader, constants)?);
+        compiled.push((shader.name, constants.to_vec(), pipeline.clone()));
+        Ok(pipeline)
     }
 
     /// Whether to prune a search of so many pixel comparisons.
@@ -257,14 +261,23 @@ impl QuiltStages {
 
 /// Which size of chunk (4, 5 or 6 texels) wastes least at the ends of the runs of an L: rows as wide as the block, and
 /// rows as wide as the overlap.
-pub(super) fn chunk(params: &QuiltParams) -> usize {
+pub(super) fn chunk(params: &QuiltParams) -> u32 {
     let (block, overlap) = (params.block_px, params.overlap_px);
     let padded = |run: u32, chunk: u32| run.div_ceil(chunk) * chunk;
-    let work = |i: &usize| {
-        let chunk = 4 + *i as u32;
-        overlap * padded(block, chunk) + (block - overlap) * padded(overlap, chunk)
-    };
-    (0..3).min_by_key(work).unwrap_or_default()
+    let work = |&chunk: &u32| overlap * padded(block, chunk) + (block - overlap) * padded(overlap, chunk);
+    (4..=6).min_by_key(work).unwrap_or(4)
+}
+
+/// A pipeline and what it is bound to.
+pub(super) struct Stage {
+    pub pipeline: Arc<ComputePipeline>,
+    pub set: BindingSet,
+}
+
+impl Stage {
+    pub fn new(context: &Context, pipeline: Arc<ComputePipeline>, bound: &[Bound]) -> Result<Self> {
+        Ok(Stage { set: BindingSet::new(context, &*pipeline, bound)?, pipeline })
+    }
 }
 
 /// What the stages that place blocks are bound to.
@@ -284,23 +297,26 @@ impl Targets<'_> {
         [self.blocks.into(), self.order.into(), self.errors.into(), self.minima.into()]
     }
 
-    pub fn search_set(&self, context: &Context, chunk: usize) -> Result<BindingSet> {
+    pub fn search(&self, context: &Context, params: &QuiltParams) -> Result<Stage> {
         let images = [self.sample.image().into(), self.sample.squares().into(), self.canvas.into()];
-        BindingSet::new(context, &self.stages.search[chunk], &[&images[..], &self.buffers()].concat())
+        let pipeline = self.stages.pipeline(&QUILT_SEARCH, &[chunk(params)])?;
+        Stage::new(context, pipeline, &[&images[..], &self.buffers()].concat())
     }
 
-    /// For a search that matches `previous` too, if it does.
-    pub fn match_set(&self, context: &Context, previous: &Image) -> Result<BindingSet> {
-        let images = [self.sample.image().into(), self.canvas.into(), previous.into()];
-        BindingSet::new(context, &self.stages.matching[0], &[&images[..], &self.buffers()].concat())
+    /// A search that matches `previous` too, if there is one.
+    pub fn matching(&self, context: &Context, previous: Option<&Image>) -> Result<Stage> {
+        // Without one nothing is read, but the binding must have an image.
+        let images = [self.sample.image().into(), self.canvas.into(), previous.unwrap_or(self.canvas).into()];
+        let pipeline = self.stages.pipeline(&QUILT_MATCH, &[u32::from(previous.is_some())])?;
+        Stage::new(context, pipeline, &[&images[..], &self.buffers()].concat())
     }
 
     /// `tile_bounds` are those of a pruned search.
-    pub fn place_set(&self, context: &Context, tile_bounds: Option<&Image>) -> Result<BindingSet> {
-        // After a full search nothing is read, but the binding must have an image.
-        let tile_bounds = tile_bounds.unwrap_or(self.sample.image());
-        let images = [self.sample.image().into(), self.canvas.into(), self.source.into(), tile_bounds.into()];
-        BindingSet::new(context, &self.stages.place[0], &[&images[..], &self.buffers()].concat())
+    pub fn place(&self, context: &Context, tile_bounds: Option<&Image>) -> Result<Stage> {
+        let bounds = tile_bounds.unwrap_or(self.sample.image());
+        let images = [self.sample.image().into(), self.canvas.into(), self.source.into(), bounds.into()];
+        let pipeline = self.stages.pipeline(&QUILT_PLACE, &[u32::from(tile_bounds.is_some())])?;
+        Stage::new(context, pipeline, &[&images[..], &self.buffers()].concat())
     }
 }
 

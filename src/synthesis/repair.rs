@@ -12,7 +12,7 @@
 
 use super::params::{Layout, QuiltParams};
 use super::quilt::{Quilt, QuiltGuide, SampleTexels, ERRORS_BYTES};
-use super::quilt_stages::{Rows, Targets};
+use super::quilt_stages::{Rows, Stage, Targets};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Buffer, BufferKind, ComputePipeline, Context, Image, Recorder, Shader,
 };
@@ -138,8 +138,8 @@ pub struct Repair {
     /// For each round the workgroups of search and placing, three words each: written by `repair_fit`.
     counts: Buffer,
     fit_set: BindingSet,
-    match_set: BindingSet,
-    place_set: BindingSet,
+    matching: Stage,
+    place: Stage,
 }
 
 impl Repair {
@@ -187,11 +187,10 @@ impl Repair {
             errors: &errors,
             minima: &minima,
         };
-        // No other picture is matched, but the binding must have one.
-        let match_set = targets.match_set(context, &guide.image)?;
-        let place_set = targets.place_set(context, None)?;
+        let matching = targets.matching(context, None)?;
+        let place = targets.place(context, None)?;
         let params = *params;
-        Ok(Repair { stages: stages.clone(), params, guide, rounds, row_step, counts, fit_set, match_set, place_set })
+        Ok(Repair { stages: stages.clone(), params, guide, rounds, row_step, counts, fit_set, matching, place })
     }
 
     /// Records the repair of `quilt`, that which this was made for. Its [`Quilt::source`] then holds where in the
@@ -224,10 +223,10 @@ impl Repair {
             let (first, offset) = (round * self.rounds.capacity, u64::from(round) * COUNT_BYTES);
             let push = quilt.match_push(first, rows, [1, 0]);
             let groups = (&self.counts, offset);
-            recorder.dispatch_indirect(&quilt.stages.matching[0], &self.match_set, &push, groups);
+            recorder.dispatch_indirect(&self.matching.pipeline, &self.matching.set, &push, groups);
             let push = quilt.place_push(first, rows, self.params.tolerance, seed, frame);
             let groups = (&self.counts, offset + COUNT_BYTES / 2);
-            recorder.dispatch_indirect(&quilt.stages.place[0], &self.place_set, &push, groups);
+            recorder.dispatch_indirect(&self.place.pipeline, &self.place.set, &push, groups);
         }
     }
 }

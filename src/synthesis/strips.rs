@@ -82,6 +82,9 @@ pub(crate) struct StripBasis {
     pub weights: Vec<f32>,
     /// What makes bounds safe against rounding (see the module).
     pub margin: f32,
+    /// Of the squared lengths of the strips that the directions were found from, the share that the first, the first two
+    /// ... of them hold.
+    held: Vec<f64>,
     reduction: Reduction,
     /// The directions in the reduced space: for each layer, for each tap, a weight for each of four components.
     layers: Vec<Vec<[f32; 4]>>,
@@ -90,15 +93,17 @@ pub(crate) struct StripBasis {
 impl StripBasis {
     /// Finds the main directions of a sample's own strips.
     ///
-    /// `texels` are RGBA, row by row, `size` = (width, height) of them; the shape fits in. `components` is K; K + 2 is a
-    /// multiple of 4.
+    /// `texels` are RGBA, row by row, `size` = (width, height) of them; the shape fits in. `components` is K; K + 3 is a
+    /// multiple of 8.
     ///
     /// Any orthonormal directions give safe bounds, so they are found fast rather than well: from some hundred strips,
     /// in the reduced space, by a few rounds of subspace iteration.
     pub fn new(texels: &[[u8; 4]], size: (u32, u32), shape: StripShape, components: usize) -> Self {
         let reduction = Reduction::new(texels, size.0, shape);
         let taps = reduction.taps();
-        let found = principal_directions(&some_strips(&reduction, &taps, texels, size), components);
+        let (strips, square) = some_strips(&reduction, &taps, texels, size);
+        let (found, held) = principal_directions(&strips, components);
+        let held = held.into_iter().map(|held| if square > 0.0 { held / square } else { 1.0 }).collect();
         let weight = |component: usize, tap: usize| found.get(component).map_or(0.0, |direction| direction[tap]);
         let four = |layer: usize, tap: usize| [0, 1, 2, 3].map(|k| weight(4 * layer + k, tap) as f32);
         let layers = (0..(components + 3) / 4).map(|l| (0..taps.len()).map(|t| four(l, t)).collect()).collect();
@@ -117,12 +122,31 @@ impl StripBasis {
             }
         }
         let centre = reduction.centre.map(|c| c as f32);
-        StripBasis { shape, components, centre, weights, margin: margin(shape, components), reduction, layers }
+        StripBasis { shape, components, centre, weights, margin: margin(shape, components), held, reduction, layers }
+    }
+
+    /// How much of the squared lengths of strips is left out by the first `components` directions, as a share.
+    pub fn left_out(&self, components: usize) -> f64 {
+        1.0 - components.checked_sub(1).and_then(|last| self.held.get(last).or(self.held.last())).map_or(0.0, |held| *held)
+    }
+
+    /// Keeps the first `components` directions.
+    pub fn truncate(&mut self, components: usize) {
+        if components < self.components {
+            self.components = components;
+            self.weights.truncate(components * self.shape.dimension());
+            self.margin = margin(self.shape, components);
+            self.layers.truncate((components + 3) / 4);
+            let kept = components % 4;
+            if let Some(last) = self.layers.last_mut() {
+                last.iter_mut().for_each(|four| four[kept..].fill(0.0));
+            }
+        }
     }
 
     /// Coordinates of the strips whose top left pixels are `first` + (i, j), i < `count.0`, j < `count.1`.
     ///
-    /// Layer by layer, each of `count.0 * count.1` texels row by row, a texel four coordinates, (K + 2) / 4 layers. A
+    /// Layer by layer, each of `count.0 * count.1` texels row by row, a texel four coordinates, (K + 3) / 4 layers. A
     /// strip x has the coordinates `c_0 ... c_(K-1)`, `r = sqrt(max(n (1 + margin) - |c|^2, 0))` and `n (1 - margin)`.
     /// Against `-2 c ... , -2 r, 1` of a strip y, with `n_y (1 - margin)` added, they bound |x - y|^2 from below.
     ///
@@ -398,7 +422,9 @@ impl Matrix {
 }
 
 /// Strips of a sample, reduced, one in a row, from places all over it.
-fn some_strips(reduction: &Reduction, taps: &[Tap], texels: &[[u8; 4]], size: (u32, u32)) -> Matrix {
+///
+/// And the sum of their squared lengths, before they were reduced.
+fn some_strips(reduction: &Reduction, taps: &[Tap], texels: &[[u8; 4]], size: (u32, u32)) -> (Matrix, f64) {
     let picture = Picture::new(reduction, texels, size);
     let columns = (size.0 - reduction.shape.width + 1) as usize;
     let positions = columns * (size.1 - reduction.shape.height + 1) as usize;
@@ -408,16 +434,20 @@ fn some_strips(reduction: &Reduction, taps: &[Tap], texels: &[[u8; 4]], size: (u
         position / columns * picture.width + position % columns
     };
     let places: Vec<usize> = (0..STRIPS).map(place).collect();
-    Matrix::new(STRIPS, taps.len().next_multiple_of(4), |strip, tap| {
+    let square = |&place: &usize| f64::from(picture.square(reduction.shape, (place % picture.width, place / picture.width)));
+    let squares = places.iter().map(square).sum();
+    let strips = Matrix::new(STRIPS, taps.len().next_multiple_of(4), |strip, tap| {
         picture.offsets.get(tap).map_or(0.0, |offset| picture.planes[offset + places[strip]])
-    })
+    });
+    (strips, squares)
 }
 
 /// At most `count` orthonormal directions in which vectors, one in a row, extend most.
 ///
 /// Subspace iteration (G. Golub and C. Van Loan, "Matrix Computations", 7.3.2), which starts from some of the vectors
 /// and carries a few directions more than are wanted.
-fn principal_directions(vectors: &Matrix, count: usize) -> Vec<Vec<f64>> {
+/// Also tells how much of the vectors' squared lengths the first, the first two ... of the directions hold.
+fn principal_directions(vectors: &Matrix, count: usize) -> (Vec<Vec<f64>>, Vec<f64>) {
     let carried = (count + 8).next_multiple_of(LANES);
     let transposed = vectors.transposed();
     let mut directions = Matrix::new(vectors.columns, carried, |i, n| vectors.at(n * vectors.rows() / carried, i));
@@ -430,7 +460,13 @@ fn principal_directions(vectors: &Matrix, count: usize) -> Vec<Vec<f64>> {
         directions = Matrix::new(vectors.columns, carried, |i, n| found.get(n).map_or(0.0, |found| found[i] as f32));
     }
     found.truncate(count);
-    found
+    let lengths = transposed.transposed_times(&directions);
+    let held = (0..found.len()).scan(0.0, |held, n| {
+        *held += (0..lengths.rows()).map(|i| f64::from(lengths.at(i, n)).powi(2)).sum::<f64>();
+        Some(*held)
+    });
+    let held = held.collect();
+    (found, held)
 }
 
 /// Makes vectors orthonormal, in their order, and leaves out those that depend on the ones before. Gram and Schmidt,

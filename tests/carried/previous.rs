@@ -44,7 +44,7 @@ fn prepare(
     weight: f32,
 ) -> Result<(Quilt, Image, Uploads)> {
     let mut uploads = Uploads::default();
-    let stages = QuiltStages::new(&gpu.context)?;
+    let stages = QuiltStages::new(&gpu.context);
     let sample = SampleTexels::new(&gpu.context, &mut uploads, texels, sample_size)?;
     let desc = ImageDesc::storage_2d(output.0, output.1, ash::vk::Format::R32_UINT);
     let image = Image::new(&gpu.context, "guide", &desc)?;
