@@ -21,6 +21,7 @@ layout(binding = 5, std430) readonly buffer Order { uint order[]; };
 layout(binding = 6, std430) writeonly buffer GroupMinima { uint group_minima[]; };
 
 #include "search_push.glsl"
+#include "block.glsl"
 #include "fields.glsl"
 #include "overlap.glsl"
 #include "tile_bounds.glsl"
@@ -59,7 +60,7 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint slot = gl_WorkGroupID.x;
     uint index = order[push.first_block + slot];
-    Block block = blocks[index];
+    Block block = load_block(index);
     if (block.state != STATE_PENDING) {
         return;
     }

@@ -20,6 +20,7 @@ layout(binding = 5, std430) writeonly buffer Errors { uvec4 errors[]; };
 layout(binding = 6, std430) writeonly buffer GroupMinima { uint group_minima[]; };
 
 #include "search_push.glsl"
+#include "block.glsl"
 #include "fields.glsl"
 #include "overlap.glsl"
 
@@ -30,7 +31,7 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint slot = gl_WorkGroupID.y;
     uint index = order[push.first_block + slot];
-    Block block = blocks[index];
+    Block block = load_block(index);
     if (block.state != STATE_PENDING) {
         return;
     }

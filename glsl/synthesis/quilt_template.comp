@@ -47,6 +47,7 @@ layout(push_constant) uniform Push {
 } push;
 
 #include "prune.glsl"
+#include "block.glsl"
 #include "fields.glsl"
 
 // Projections, and after those of each strip its squared length.
@@ -106,7 +107,7 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint slot = gl_WorkGroupID.x;
     uint index = order[push.first_block + slot];
-    Block block = blocks[index];
+    Block block = load_block(index);
     bool pending = block.state == STATE_PENDING;
     int row = int(index / push.columns);
     int col = int(index % push.columns);

@@ -9,7 +9,7 @@
 use super::params::{Layout, Placement, QuiltParams};
 use super::quilt_stages::{chunk, SearchPush, Stage, Targets, GROUP};
 use super::sample::SampleTexels;
-use super::strips::{Packed, StripBasis, StripShape};
+use super::strips::{StripBasis, StripShape};
 use crate::gpu::{
     Access, BindingKind, BindingSet, Bound, Buffer, BufferKind, ComputePipeline, Context, Image, ImageDesc, Recorder,
     Shader, Uploads,
@@ -17,7 +17,7 @@ use crate::gpu::{
 use crate::Result;
 use ash::vk;
 use std::sync::Arc;
-use std::thread;
+use std::thread::{self, ScopedJoinHandle};
 
 pub(crate) const QUILT_AIM: Shader = Shader {
     name: "quilt_aim",
@@ -132,10 +132,11 @@ const WINDOWED_ROWS: u32 = 4;
 const BOUND_GROUP: [u32; 2] = [8, 16];
 /// More bytes of coordinates are not made.
 const MOST_BYTES: u64 = 256 << 20;
-/// Texels of eight coordinates for the strips on one side of a block: fewer where that leaves out little.
-const TEXELS: [u32; 2] = [2, 4];
-/// The share of strips' squared lengths that may be left out by the fewer.
-const LEFT_OUT: f64 = 0.3;
+/// Texels of eight coordinates for the strips on one side of a block: the first that leave out no more than a share of the
+/// squared lengths of strips. More coordinates cost more for every position, and leave fewer to be compared; these were
+/// found by trying.
+const TEXELS: [(u32, f64); 3] = [(2, 0.3), (4, 0.21), (6, 1.0)];
+const MOST_TEXELS: u32 = 6;
 /// A strip shorter than this is not worth coordinates of its own, pixels.
 const SHORTEST_PX: u32 = 3;
 
@@ -192,25 +193,28 @@ fn strips(params: &QuiltParams, layout: &Layout) -> Vec<Strip> {
     [side(0, least(|p| p.height), true), side(overlap, least(|p| p.width), false)].concat()
 }
 
-/// The directions of each strip, and the coordinates of the sample's strips.
-fn project(sample: &SampleTexels, strips: &[Strip], [columns, rows]: [u32; 2]) -> Vec<(StripBasis, Packed)> {
+/// The directions of each strip.
+fn find_bases(sample: &SampleTexels, strips: &[Strip]) -> Vec<StripBasis> {
     let split = |strip: &Strip| strips.iter().filter(|other| other.left == strip.left).count() > 1;
-    let basis = |strip: &Strip| {
-        let components = directions(strip.texels(split(strip), TEXELS[1]));
-        StripBasis::new(sample.texels(), sample.size(), strip.shape, components)
+    let components = |strip: &Strip, texels: u32| directions(strip.texels(split(strip), texels));
+    let bases = |texels: u32| -> Vec<StripBasis> {
+        on_threads(strips, |strip| {
+            StripBasis::new(sample.texels(), sample.size(), strip.shape, components(strip, texels))
+        })
     };
-    let mut bases: Vec<StripBasis> = on_threads(strips, basis);
-    let long = || bases.iter().zip(strips).filter(|(_, strip)| !strip.shorter);
-    let left_out: f64 = long().map(|(basis, _)| basis.left_out(directions(TEXELS[0]))).sum();
-    if left_out <= LEFT_OUT * long().count() as f64 {
-        let fewer = |strip: &Strip| directions(strip.texels(split(strip), TEXELS[0]));
-        bases.iter_mut().zip(strips).for_each(|(basis, strip)| basis.truncate(fewer(strip)));
+    let enough = |bases: &[StripBasis], (texels, most): (u32, f64)| {
+        let long = || bases.iter().zip(strips).filter(|(_, strip)| !strip.shorter);
+        let left_out: f64 = long().map(|(basis, strip)| basis.left_out(components(strip, texels))).sum();
+        left_out <= most * long().count() as f64
+    };
+    let [few, ref more @ ..] = TEXELS;
+    let mut found = bases(few.0);
+    if !enough(&found, few) {
+        found = bases(MOST_TEXELS);
+        let texels = more.iter().find(|level| enough(&found, **level)).map_or(MOST_TEXELS, |level| level.0);
+        found.iter_mut().zip(strips).for_each(|(basis, strip)| basis.truncate(components(strip, texels)));
     }
-    let pairs: Vec<_> = bases.iter().zip(strips).collect();
-    let packed = on_threads(&pairs, |(basis, strip)| {
-        basis.packed(sample.texels(), sample.size(), (strip.x, strip.y), (columns, rows))
-    });
-    bases.into_iter().zip(packed).collect()
+    found
 }
 
 /// Maps each item on a thread of its own.
@@ -218,9 +222,12 @@ fn on_threads<T: Sync, R: Send>(items: &[T], map: impl Fn(&T) -> R + Sync) -> Ve
     let map = &map;
     thread::scope(|scope| {
         let running: Vec<_> = items.iter().map(|item| scope.spawn(move || map(item))).collect();
-        let joined = running.into_iter().map(|thread| thread.join().unwrap_or_else(|e| std::panic::resume_unwind(e)));
-        joined.collect()
+        running.into_iter().map(join).collect()
     })
+}
+
+fn join<T>(thread: ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
 /// Pruning of one quilting's search.
@@ -246,7 +253,7 @@ impl Prune {
     pub fn possible(context: &Context, params: &QuiltParams, sample: (u32, u32)) -> bool {
         let [columns, rows] = positions(params, sample);
         // Both sides, and two parts of each that need one more.
-        let texels = 2 * (TEXELS[1] + 1);
+        let texels = 2 * (MOST_TEXELS + 1);
         let side = context.caps().max_image_2d_px;
         let fits = columns.max(BOUND_WORDS) <= side && rows * texels <= side;
         fits && u64::from(columns) * u64::from(rows) * u64::from(texels) * 16 <= MOST_BYTES
@@ -269,21 +276,41 @@ impl Prune {
         (batch, groups_per_block): (u32, u32),
         windowed: bool,
     ) -> Result<Self> {
-        let sample = targets.sample;
+        let (sample, stages) = (targets.sample, targets.stages);
         let positions = positions(params, sample.size());
         let strips = strips(params, layout);
-        let projected = project(sample, &strips, positions);
+        // The host has as much to do as the driver's compiler.
+        let bases = thread::scope(|scope| {
+            let compiling = scope.spawn(|| stages.compile(params));
+            let bases = find_bases(sample, &strips);
+            join(compiling).map(|()| bases)
+        })?;
+        let texels = bases.iter().map(|basis| basis.components as u32 + 3).sum::<u32>() / 8;
+        let mut data = strip_data(&strips, &bases);
+        // A bit for each texel that ends with a squared length.
+        let squares = data.iter().fold(0, |bits, strip| bits | 1 << ((strip.first + strip.directions) / 8));
+        let bound = |&(blocks, rows): &(u32, u32)| {
+            let constants = [texels, blocks, rows, u32::from(windowed), squares];
+            stages.pipeline(&QUILT_BOUND, &constants).map(|stage| (blocks, stage))
+        };
+        let (bound, packed) = thread::scope(|scope| {
+            let compiling = scope.spawn(|| on_threads(bounds(windowed, batch), bound).into_iter().collect::<Result<Vec<_>>>());
+            let pairs: Vec<_> = bases.iter().zip(&strips).collect();
+            let packed = on_threads(&pairs, |(basis, strip)| {
+                basis.packed(sample.texels(), sample.size(), (strip.x, strip.y), positions.into())
+            });
+            join(compiling).map(|bound| (bound, packed))
+        })?;
+        data.iter_mut().zip(&packed).for_each(|(data, packed)| data.step = packed.step);
         let mut picture = |name, size: (u32, u32), format, data: &[u8]| {
             let image = Image::new(context, name, &ImageDesc::storage_2d(size.0, size.1, format))?;
             uploads.image(context, &image, data)?;
             Ok::<_, crate::Error>(image)
         };
-        let data = strip_data(&strips, &projected);
-        let texels = projected.iter().map(|(basis, _)| basis.components as u32 + 3).sum::<u32>() / 8;
-        let all: Vec<[u32; 4]> = projected.iter().flat_map(|(_, packed)| &packed.texels).copied().collect();
+        let all: Vec<[u32; 4]> = packed.iter().flat_map(|packed| &packed.texels).copied().collect();
         let size = (positions[0], positions[1] * texels);
         let coordinates = picture("quilt coordinates", size, vk::Format::R32G32B32A32_UINT, bytemuck::cast_slice(&all))?;
-        let (size, rows) = direction_rows(&projected, texels);
+        let (size, rows) = direction_rows(&bases, texels);
         let floats = vk::Format::R32G32B32A32_SFLOAT;
         let directions = picture("quilt directions", size, floats, bytemuck::cast_slice(&rows))?;
         let strip_buffer = Buffer::new(context, "quilt strips", BufferKind::Storage, size_of_val(&data[..]) as u64)?;
@@ -296,19 +323,6 @@ impl Prune {
         let desc = ImageDesc::storage_2d(batch + BLOCK_COUNTS[1], 2 * texels + 1, floats);
         let templates = Image::new(context, "quilt templates", &desc)?;
 
-        // A bit for each texel that ends with a squared length.
-        let squares = data.iter().fold(0, |bits, strip| bits | 1 << ((strip.first + strip.directions) / 8));
-        let stages = targets.stages;
-        let bound = |blocks, rows, windowed| {
-            stages.pipeline(&QUILT_BOUND, &[texels, blocks, rows, u32::from(windowed), squares]).map(|stage| (blocks, stage))
-        };
-        let longest = batch.min(BLOCK_COUNTS[1]);
-        let bound = if windowed {
-            vec![bound(1, WINDOWED_ROWS, true)?]
-        } else {
-            let needed = if longest > BLOCK_COUNTS[0] { &BLOCK_COUNTS[..] } else { &BLOCK_COUNTS[..1] };
-            needed.iter().map(|&blocks| bound(blocks, ROWS, false)).collect::<Result<_>>()?
-        };
         let aim = stages.pipeline(&QUILT_AIM, &[chunk(params)])?;
         let template = stages.pipeline(&QUILT_TEMPLATE, &[texels])?;
         let compare = stages.pipeline(&QUILT_COMPARE, &[chunk(params)])?;
@@ -328,7 +342,7 @@ impl Prune {
             compare: Stage::new(context, compare, &[&compared[..], &picked, &errors].concat())?,
             tile_bounds,
             strips: data.len() as u32,
-            centre: projected.first().map_or([0.0; 3], |(basis, _)| basis.centre),
+            centre: bases.first().map_or([0.0; 3], |basis| basis.centre),
             positions,
             windowed,
             bound_rows,
@@ -406,10 +420,20 @@ fn bound_rows(groups_per_block: u32) -> u32 {
     (groups_per_block * GROUP).div_ceil(BOUND_WORDS)
 }
 
-/// The strips as `quilt_template` reads them.
-fn strip_data(strips: &[Strip], projected: &[(StripBasis, Packed)]) -> Vec<StripData> {
+/// For how many blocks `quilt_bound` is needed in dispatches of up to `batch`, and for how many rows of positions.
+fn bounds(windowed: bool, batch: u32) -> &'static [(u32, u32)] {
+    const EVERYWHERE: [(u32, u32); 2] = [(BLOCK_COUNTS[0], ROWS), (BLOCK_COUNTS[1], ROWS)];
+    match windowed {
+        true => &[(1, WINDOWED_ROWS)],
+        false if batch <= BLOCK_COUNTS[0] => &EVERYWHERE[..1],
+        false => &EVERYWHERE,
+    }
+}
+
+/// The strips as `quilt_template` reads them, but for the steps of their coordinates.
+fn strip_data(strips: &[Strip], bases: &[StripBasis]) -> Vec<StripData> {
     let mut first = 0;
-    let data = strips.iter().zip(projected).map(|(strip, (basis, packed))| {
+    let data = strips.iter().zip(bases).map(|(strip, basis)| {
         let data = StripData {
             x: strip.x,
             y: strip.y,
@@ -419,7 +443,7 @@ fn strip_data(strips: &[Strip], projected: &[(StripBasis, Packed)]) -> Vec<Strip
             first,
             directions: basis.components as u32,
             margin: basis.margin,
-            step: packed.step,
+            step: 0.0,
         };
         first += data.directions + 3;
         data
@@ -428,11 +452,11 @@ fn strip_data(strips: &[Strip], projected: &[(StripBasis, Packed)]) -> Vec<Strip
 }
 
 /// The directions as `quilt_template` reads them: for each coordinate a row, a texel for each pixel of its strip.
-fn direction_rows(projected: &[(StripBasis, Packed)], texels: u32) -> ((u32, u32), Vec<[f32; 4]>) {
+fn direction_rows(bases: &[StripBasis], texels: u32) -> ((u32, u32), Vec<[f32; 4]>) {
     let pixels = |basis: &StripBasis| (basis.shape.width * basis.shape.height) as usize;
-    let width = projected.iter().map(|(basis, _)| pixels(basis)).max().unwrap_or(1);
+    let width = bases.iter().map(pixels).max().unwrap_or(1);
     let none = [const { &[] as &[f32] }; 3];
-    let rows = projected.iter().flat_map(|(basis, _)| basis.weights.chunks_exact(3 * pixels(basis)).chain(none));
+    let rows = bases.iter().flat_map(|basis| basis.weights.chunks_exact(3 * pixels(basis)).chain(none));
     let mut texel_rows = vec![[0.0; 4]; width * 8 * texels as usize];
     for (to, row) in texel_rows.chunks_exact_mut(width).zip(rows) {
         for (to, from) in to.iter_mut().zip(row.chunks_exact(3)) {

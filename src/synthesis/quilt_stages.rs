@@ -239,13 +239,14 @@ impl QuiltStages {
 
     /// The pipeline of a shader with these specialisation constants.
     pub(super) fn pipeline(&self, shader: &Shader, constants: &[u32]) -> Result<Arc<ComputePipeline>> {
-        let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = compiled.iter().find(|(name, of, _)| *name == shader.name && of == constants);
-        if let Some((_, _, pipeline)) = found {
+        let compiled = || self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_it = |(name, of, _): &&(&str, Vec<u32>, _)| *name == shader.name && of == constants;
+        if let Some((_, _, pipeline)) = compiled().iter().find(is_it) {
             return Ok(pipeline.clone());
         }
+        // Not under the lock, so that threads compile side by side.
         let pipeline = Arc::new(ComputePipeline::specialized(&self.context, shader, constants)?);
-        compiled.push((shader.name, constants.to_vec(), pipeline.clone()));
+        compiled().push((shader.name, constants.to_vec(), pipeline.clone()));
         Ok(pipeline)
     }
 
