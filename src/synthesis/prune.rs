@@ -127,7 +127,7 @@ const SPAN: u32 = 16;
 const BLOCK_COUNTS: [u32; 2] = [5, 10];
 const ROWS: u32 = 2;
 /// Rows of positions that an invocation takes where each block has a window of its own.
-const WINDOWED_ROWS: u32 = 4;
+const WINDOWED_ROWS: u32 = 1;
 /// Positions of `quilt_bound`'s workgroups: across, and rows of invocations.
 const BOUND_GROUP: [u32; 2] = [8, 16];
 /// More bytes of coordinates are not made.
@@ -170,12 +170,12 @@ impl Strip {
 
 /// The strips of blocks. Those that the output cuts off have only the first part of a strip whole, so there is one that
 /// ends where the output does, and another for the rest.
-fn strips(params: &QuiltParams, layout: &Layout) -> Vec<Strip> {
+fn strips(params: &QuiltParams, layout: &Layout, windowed: bool) -> Vec<Strip> {
     let overlap = params.overlap_px;
     // Side by side: where they begin and end along the side.
     let parts = |from: u32, least: u32| {
         let whole = if params.tileable { least } else { params.block_px };
-        let split = least >= from + SHORTEST_PX && whole >= least + SHORTEST_PX;
+        let split = !windowed && least >= from + SHORTEST_PX && whole >= least + SHORTEST_PX;
         if split { vec![(from, least), (least, whole)] } else { vec![(from, whole)] }
     };
     let least = |side: fn(&Placement) -> u32| layout.placements.iter().map(side).min().unwrap_or(params.block_px);
@@ -194,7 +194,7 @@ fn strips(params: &QuiltParams, layout: &Layout) -> Vec<Strip> {
 }
 
 /// The directions of each strip.
-fn find_bases(sample: &SampleTexels, strips: &[Strip]) -> Vec<StripBasis> {
+fn find_bases(sample: &SampleTexels, strips: &[Strip], windowed: bool) -> Vec<StripBasis> {
     let split = |strip: &Strip| strips.iter().filter(|other| other.left == strip.left).count() > 1;
     let components = |strip: &Strip, texels: u32| directions(strip.texels(split(strip), texels));
     let bases = |texels: u32| -> Vec<StripBasis> {
@@ -209,7 +209,7 @@ fn find_bases(sample: &SampleTexels, strips: &[Strip]) -> Vec<StripBasis> {
     };
     let [few, ref more @ ..] = TEXELS;
     let mut found = bases(few.0);
-    if !enough(&found, few) {
+    if !windowed && !enough(&found, few) {
         found = bases(MOST_TEXELS);
         let texels = more.iter().find(|level| enough(&found, **level)).map_or(MOST_TEXELS, |level| level.0);
         found.iter_mut().zip(strips).for_each(|(basis, strip)| basis.truncate(components(strip, texels)));
@@ -278,11 +278,11 @@ impl Prune {
     ) -> Result<Self> {
         let (sample, stages) = (targets.sample, targets.stages);
         let positions = positions(params, sample.size());
-        let strips = strips(params, layout);
+        let strips = strips(params, layout, windowed);
         // The host has as much to do as the driver's compiler.
         let bases = thread::scope(|scope| {
             let compiling = scope.spawn(|| stages.compile(params));
-            let bases = find_bases(sample, &strips);
+            let bases = find_bases(sample, &strips, windowed);
             join(compiling).map(|()| bases)
         })?;
         let texels = bases.iter().map(|basis| basis.components as u32 + 3).sum::<u32>() / 8;
