@@ -7,7 +7,8 @@
 // differences, by dynamic programming, ties to the lowest index (thesis 3.2.2; Efros and Freeman 2001).
 // Paste: a painted pixel beyond a cut stays as it is, every other one takes the new block's texel.
 // A neighbour may be placed on any side: those to the right and below are where texture was carried along.
-// In:  errors and group minima of this wave's search, and, if it was pruned, which tiles have errors.  Out: canvas, source coordinates, the blocks' records.
+// In:  errors and group minima of this wave's search, and, if it was pruned, which tiles have errors.
+// Out: canvas, source coordinates, the blocks' records.
 #extension GL_GOOGLE_include_directive : require
 #include "quilt.glsl"
 
@@ -51,13 +52,37 @@ const uint TOP = 1;
 const uint RIGHT = 2;
 const uint BOTTOM = 3;
 
-shared uint scratch[GROUP];
-// The cumulative errors of one strip, `overlap_px` to a step along it.
-shared uint cumulative[MAX_BLOCK * MAX_OVERLAP];
-shared uint cuts[4 * MAX_BLOCK];
+// Bits of a word of `list` that count; the others number an invocation.
+const uint COUNT_BITS = 25;
+// Low bits of a word of `cumulative`, see there.
+const uint FROM_BITS = 5;
+const uint FROM = MAX_OVERLAP - 1;
+
+// What all invocations need to know of the block; to read it once is less than once an invocation.
+shared uint index;
+shared Block shared_block;
+// Bit `side` is set where the neighbour on that side is placed.
+shared uint shared_joined;
+
+shared uint least_error;
+shared uint admissible;
 shared uint in_span[GROUP];
+shared uint wanted_span;
+shared uint before_span;
+shared uint is_found;
 shared uvec2 position;
 shared uint position_error;
+
+// What `gather` gathered.
+shared uint list[GROUP];
+shared uint listed;
+
+// The cumulative errors of the strips that are cut together, each `block_px` * `overlap_px` words, a strip's width to a
+// step along it. A word is (error << FROM_BITS) | where the path came from: below 64 * 3 * 255^2 << 5, so it fits.
+shared uint cumulative[MAX_BLOCK * MAX_OVERLAP];
+// How many pixels lie beyond the cuts, for each row and then for each column of the block: from its left or upper edge
+// on in the low byte, up to its right or lower edge in the next.
+shared uint beyond[2 * MAX_BLOCK];
 
 bool is_compared(uint slot, uint tile) {
     return !PRUNED || imageLoad(tile_bounds, bound_word(slot, push.bound_rows, tile)).r != NO_BOUND;
@@ -68,220 +93,323 @@ uint admissible_of(uvec4 e, uint limit) {
            uint(e.z <= limit && e.z != 0xffffffffu) + uint(e.w <= limit && e.w != 0xffffffffu);
 }
 
-// Chooses among the block's admissible positions; leaves position, position_error; returns the least error.
-uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
+// Gathers the `entry` of each invocation that has one into `list`, in any order; returns how many there are.
+uint gather(bool has, uint entry) {
+    barrier();
+    if (gl_LocalInvocationID.x == 0) {
+        listed = 0;
+    }
+    barrier();
+    if (has) {
+        list[atomicAdd(listed, 1)] = entry;
+    }
+    barrier();
+    return listed;
+}
+
+// Whether this invocation has item `wanted`, when each has `count` of them and they are numbered in the invocations'
+// order; `before` is how many the invocations before have. Few have any, so that this beats prefix sums over all.
+bool has_item(uint count, uint wanted, out uint before) {
     uint lane = gl_LocalInvocationID.x;
-    uint first = slot * push.groups_per_block;
+    uint n = gather(count > 0, (lane << COUNT_BITS) | count);
+    before = 0;
+    for (uint i = 0; count > 0 && i < n; i++) {
+        uint entry = list[i];
+        before += (entry >> COUNT_BITS) < lane ? bitfieldExtract(entry, 0, int(COUNT_BITS)) : 0;
+    }
+    return wanted >= before && wanted - before < count;
+}
+
+// The least of the block's errors, for all invocations.
+uint least_of(uint first, uint groups) {
     uint least = 0xffffffffu;
-    for (uint group = lane; group < groups; group += GROUP) {
+    for (uint group = gl_LocalInvocationID.x; group < groups; group += GROUP) {
         least = min(least, group_minima[first + group]);
     }
-    scratch[lane] = least;
-    in_span[lane] = 0;
-    for (uint stride = GROUP / 2; stride > 0; stride /= 2) {
-        barrier();
-        if (lane < stride) {
-            scratch[lane] = min(scratch[lane], scratch[lane + stride]);
-        }
+    if (least != 0xffffffffu) {
+        atomicMin(least_error, least);
     }
     barrier();
-    least = scratch[0];
-    uint limit = threshold(least, push.tolerance);
+    return least_error;
+}
 
-    // How many are admissible, in each of GROUP spans of groups and in all.
-    uint span = (groups + GROUP - 1) / GROUP;
-    for (uint begin = 0, at = 0; begin < groups; begin += span, at++) {
-        uint mine = 0;
-        uint end = min(begin + span, groups);
-        for (uint group = begin; group < end; group++) {
-            if (group_minima[first + group] <= limit) {
-                if (is_compared(slot, group * GROUP + lane)) {
-                    uint place = ((first + group) * GROUP + lane) * 2;
-                    mine += admissible_of(errors[place], limit) + admissible_of(errors[place + 1], limit);
-                }
+// The errors of this invocation's tile in `group`; 2^32 - 1 where nothing was compared.
+void load_errors(uint slot, uint group, out uvec4 a, out uvec4 b) {
+    uint lane = gl_LocalInvocationID.x;
+    a = uvec4(0xffffffffu);
+    b = a;
+    if (is_compared(slot, group * GROUP + lane)) {
+        uint place = ((slot * push.groups_per_block + group) * GROUP + lane) * 2;
+        a = errors[place];
+        b = errors[place + 1];
+    }
+}
+
+// Counts the admissible positions, in each of GROUP spans of groups and in all.
+void count_admissible(uint slot, uint groups, uint span, uint limit) {
+    uint first = slot * push.groups_per_block;
+    for (uint begin = 0; begin < groups; begin += GROUP) {
+        uint mine = begin + gl_LocalInvocationID.x;
+        uint n = gather(mine < groups && group_minima[first + mine] <= limit, mine);
+        for (uint i = 0; i < n; i++) {
+            uint group = list[i];
+            uvec4 a, b;
+            load_errors(slot, group, a, b);
+            uint count = admissible_of(a, limit) + admissible_of(b, limit);
+            if (count > 0) {
+                atomicAdd(in_span[group / span], count);
+                atomicAdd(admissible, count);
             }
         }
-        if (mine > 0) {
-            atomicAdd(in_span[at], mine);
-        }
     }
     barrier();
-    uint admissible = 0;
-    for (uint at = 0; at < GROUP; at++) {
-        admissible += in_span[at];
+}
+
+// Leaves position and position_error of the admissible position `wanted` of this invocation's tile.
+void take(uint tile, uint tiles_x, uvec4 a, uvec4 b, uint limit, uint wanted) {
+    uint e[TILE] = uint[](a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
+    uint rank = 0;
+    for (uint j = 0; j < TILE; j++) {
+        if (e[j] <= limit && e[j] != 0xffffffffu) {
+            if (rank == wanted) {
+                position = uvec2(shared_block.sx0 + TILE * (tile % tiles_x) + j,
+                                 push.first_row + push.row_step * (tile / tiles_x));
+                position_error = e[j];
+            }
+            rank++;
+        }
     }
+}
+
+// Chooses among the block's admissible positions; leaves position, position_error; returns the least error.
+uint choose(uint slot, uint tiles_x, uint groups) {
+    uint lane = gl_LocalInvocationID.x;
+    uint first = slot * push.groups_per_block;
+    uint least = least_of(first, groups);
+    uint limit = threshold(least, push.tolerance);
+    uint span = (groups + GROUP - 1) / GROUP;
+    count_admissible(slot, groups, span, limit);
     uint wanted;
     uint low;
     umulExtended(random_bits(push.seed, index, push.frame), admissible, wanted, low);
 
     // The span that holds the wanted one, then the group, then the invocation, then the position. Only one span's
     // groups are looked at again: some compilers allow an invocation no more than 65,535 rounds of loops in all.
-    uint before = 0;
-    uint wanted_span = 0;
-    while (wanted_span + 1 < GROUP && before + in_span[wanted_span] <= wanted) {
-        before += in_span[wanted_span];
-        wanted_span++;
+    uint before;
+    if (has_item(in_span[lane], wanted, before)) {
+        wanted_span = lane;
+        before_span = before;
     }
-    uint last_group = min((wanted_span + 1) * span, groups);
-    for (uint group = wanted_span * span; group < last_group; group++) {
+    barrier();
+    wanted -= before_span;
+    uint begin = wanted_span * span;
+    uint end = min(begin + span, groups);
+    for (uint group = begin; group < end && is_found == 0; group++) {
         if (group_minima[first + group] > limit) {
             continue;
         }
-        uint place = ((first + group) * GROUP + lane) * 2;
-        bool compared = is_compared(slot, group * GROUP + lane);
-        uvec4 a = compared ? errors[place] : uvec4(0xffffffffu);
-        uvec4 b = compared ? errors[place + 1] : uvec4(0xffffffffu);
-        uint mine_here = admissible_of(a, limit) + admissible_of(b, limit);
-        barrier();
-        scratch[lane] = mine_here;
-        // Inclusive prefix sums over the group.
-        for (uint stride = 1; stride < GROUP; stride *= 2) {
-            barrier();
-            uint left = lane >= stride ? scratch[lane - stride] : 0;
-            barrier();
-            scratch[lane] += left;
+        uvec4 a, b;
+        load_errors(slot, group, a, b);
+        if (has_item(admissible_of(a, limit) + admissible_of(b, limit), wanted, before)) {
+            take(group * GROUP + lane, tiles_x, a, b, limit, wanted - before);
+            is_found = 1;
         }
         barrier();
-        uint in_group = scratch[GROUP - 1];
-        uint start = before + scratch[lane] - mine_here;
-        if (wanted >= start && wanted < start + mine_here) {
-            uint e[TILE] = uint[](a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
-            uint rank = start;
-            for (uint j = 0; j < TILE; j++) {
-                if (e[j] <= limit && e[j] != 0xffffffffu) {
-                    if (rank == wanted) {
-                        uint tile = group * GROUP + lane;
-                        position = uvec2(sx0 + TILE * (tile % tiles_x) + j, push.first_row + push.row_step * (tile / tiles_x));
-                        position_error = e[j];
-                    }
-                    rank++;
-                }
+        if (is_found == 0) {
+            for (uint i = 0; i < listed; i++) {
+                wanted -= bitfieldExtract(list[i], 0, int(COUNT_BITS));
             }
-        }
-        before += in_group;
-        if (before > wanted) {
-            break;
         }
     }
     barrier();
     return least;
 }
 
-// What is painted on the block's pixel at `dx`, `dy`; 0 if nothing is.
-uint canvas_at(Block block, uint dx, uint dy) {
-    uint x = block.x + dx;
-    uint y = block.y + dy;
-    x -= x >= push.output_width ? push.output_width : 0;
-    y -= y >= push.output_height ? push.output_height : 0;
-    return imageLoad(canvas, ivec2(x, y)).r;
+// Where the block's pixel `p` lies on the canvas.
+ivec2 canvas_pixel(Block block, uvec2 p) {
+    uvec2 size = uvec2(push.output_width, push.output_height);
+    uvec2 at = uvec2(block.x, block.y) + p;
+    return ivec2(at - mix(uvec2(0), size, greaterThanEqual(at, size)));
 }
 
-// The pixel of the block that lies `along` and `across` the strip of `side`.
-uvec2 strip_pixel(Block block, uint side, uint along, uint across) {
-    if (side == LEFT) {
-        return uvec2(across, along);
-    } else if (side == TOP) {
-        return uvec2(along, across);
-    } else if (side == RIGHT) {
-        return uvec2(block.width - push.overlap_px + across, along);
-    }
-    return uvec2(along, block.height - push.overlap_px + across);
+// The next place of an invocation that walks through rows of `width` in strides of x + y * width = GROUP.
+uvec2 walk(uvec2 at, uvec2 stride, uint width) {
+    at += stride;
+    return at.x < width ? at : uvec2(at.x - width, at.y + 1);
 }
 
-// The minimum-error cut through the strip of `side` into cuts[side * MAX_BLOCK ...].
-void cut(Block block, uint side) {
-    uint lane = gl_LocalInvocationID.x;
+bool is_joined(uint joined, uint side) {
+    return (joined & (1u << side)) != 0;
+}
+
+// The width of the strip of `side`, and its length.
+uvec2 strip_size(Block block, uint side) {
     bool vertical = side == LEFT || side == RIGHT;
-    uint length = vertical ? block.height : block.width;
-    uint strip = min(push.overlap_px, vertical ? block.width : block.height);
-    barrier();
-    for (uint i = lane; i < length * strip; i += GROUP) {
-        uvec2 p = strip_pixel(block, side, i / strip, i % strip);
-        uint old = canvas_at(block, p.x, p.y);
+    uvec2 size = vertical ? uvec2(block.width, block.height) : uvec2(block.height, block.width);
+    return uvec2(min(push.overlap_px, size.x), size.y);
+}
+
+// The pixel of the block that lies `p.x` across and `p.y` along the strip of `side`.
+uvec2 strip_pixel(Block block, uint side, uvec2 p) {
+    if (side == LEFT) {
+        return p;
+    } else if (side == TOP) {
+        return p.yx;
+    } else if (side == RIGHT) {
+        return uvec2(block.width - push.overlap_px + p.x, p.y);
+    }
+    return uvec2(p.y, block.height - push.overlap_px + p.x);
+}
+
+// Puts the squared differences in the strip of `side` into cumulative[base ...].
+void compare_strip(Block block, uint side, uint base) {
+    uint lane = gl_LocalInvocationID.x;
+    uvec2 size = strip_size(block, side);
+    uvec2 stride = uvec2(GROUP % size.x, GROUP / size.x);
+    uvec2 at = uvec2(lane % size.x, lane / size.x);
+    for (uint i = base + lane; at.y < size.y; i += GROUP) {
+        uvec2 p = strip_pixel(block, side, at);
+        uint old = imageLoad(canvas, canvas_pixel(block, p)).r;
         uint new = imageLoad(sample_texels, ivec2(position + p)).r;
-        cumulative[i] = old >= PAINTED ? squared_difference(old, new) : 0;
+        cumulative[i] = old >= PAINTED ? squared_difference(old, new) << FROM_BITS : 0;
+        at = walk(at, stride, size.x);
     }
-    for (uint step = 1; step < length; step++) {
+}
+
+// A word of `cumulative` as the way over place `across` of the strip. The least of several is the one of least error
+// and, among equals, of the lowest place.
+uint way(uint word, uint across) {
+    return (word & ~FROM) | across;
+}
+
+// Follows the path of least error through the strip at cumulative[base ...] back from its end.
+void trace(Block block, uint side, uint base) {
+    uvec2 size = strip_size(block, side);
+    bool low = side == LEFT || side == TOP;
+    uint line = side == LEFT || side == RIGHT ? 0 : MAX_BLOCK;
+    uint row = base + (size.y - 1) * size.x;
+    uint best = 0xffffffffu;
+    for (uint j = 0; j < size.x; j++) {
+        best = min(best, way(cumulative[row + j], j));
+    }
+    uint across = best & FROM;
+    for (uint step = size.y; step-- > 0;) {
+        // The strips of two sides write to the same word.
+        atomicAdd(beyond[line + step], low ? across : (push.overlap_px - 1 - across) << 8);
+        across = cumulative[row + across] & FROM;
+        row -= size.x;
+    }
+}
+
+// The minimum-error cuts through the strips of `count` sides from `first` on, into `beyond`; MAX_OVERLAP invocations
+// a side.
+void cut(Block block, uint joined, uint first, uint count) {
+    uint lane = gl_LocalInvocationID.x;
+    uint words = push.block_px * push.overlap_px;
+    barrier();
+    for (uint i = 0; i < count; i++) {
+        if (is_joined(joined, first + i)) {
+            compare_strip(block, first + i, i * words);
+        }
+    }
+    uint nth = lane / MAX_OVERLAP;
+    uint across = lane % MAX_OVERLAP;
+    uvec2 size = strip_size(block, first + nth);
+    uint steps = nth < count && is_joined(joined, first + nth) && across < size.x ? size.y : 0;
+    uint left = max(across, 1) - 1;
+    uint right = min(across + 1, size.x - 1);
+    uint row = nth * words;
+    for (uint step = 1; step < max(block.width, block.height); step++) {
         barrier();
-        if (lane < strip) {
-            uint row = (step - 1) * strip;
-            uint best = cumulative[row + lane];
-            if (lane > 0) {
-                best = min(best, cumulative[row + lane - 1]);
-            }
-            if (lane + 1 < strip) {
-                best = min(best, cumulative[row + lane + 1]);
-            }
-            cumulative[step * strip + lane] += best;
+        if (step < steps) {
+            uint best = min(way(cumulative[row + left], left), way(cumulative[row + across], across));
+            best = min(best, way(cumulative[row + right], right));
+            row += size.x;
+            cumulative[row + across] += best;
         }
     }
     barrier();
-    if (lane == 0) {
-        uint low = 0;
-        uint high = strip;
-        for (uint step = length; step-- > 0;) {
-            uint best = low;
-            for (uint j = low + 1; j < high; j++) {
-                if (cumulative[step * strip + j] < cumulative[step * strip + best]) {
-                    best = j;
-                }
-            }
-            cuts[side * MAX_BLOCK + step] = best;
-            low = best - min(best, 1u);
-            high = min(best + 2, strip);
+    if (lane < count && is_joined(joined, first + lane)) {
+        trace(block, first + lane, lane * words);
+    }
+}
+
+// Finds the cuts on all sides, as many at a time as have room in `cumulative`.
+void cut_all(Block block, uint joined) {
+    uint room = MAX_BLOCK * MAX_OVERLAP / (push.block_px * push.overlap_px);
+    uint count = room >= 4 ? 4 : room >= 2 ? 2 : 1;
+    for (uint first = 0; first < 4; first += count) {
+        if (bitfieldExtract(joined, int(first), int(count)) != 0) {
+            cut(block, joined, first, count);
         }
+    }
+    barrier();
+}
+
+// Pastes the block from `position`, but for the painted pixels beyond a cut.
+void paste(Block block) {
+    uint lane = gl_LocalInvocationID.x;
+    uvec2 size = uvec2(block.width, block.height);
+    uvec2 stride = uvec2(GROUP % size.x, GROUP / size.x);
+    uvec2 corner = position;
+    uvec2 p = uvec2(lane % size.x, lane / size.x);
+    while (p.y < size.y) {
+        uvec2 lines = uvec2(beyond[p.y], beyond[MAX_BLOCK + p.x]);
+        ivec2 at = canvas_pixel(block, p);
+        bool keep = any(lessThan(p, lines & 255u)) || any(lessThan(size - 1 - p, lines >> 8));
+        if (!keep || imageLoad(canvas, at).r < PAINTED) {
+            uvec2 from = corner + p;
+            uint texel = imageLoad(sample_texels, ivec2(from)).r;
+            imageStore(canvas, at, uvec4(texel | PAINTED));
+            imageStore(source, at, uvec4(from.x | (from.y << 16)));
+        }
+        p = walk(p, stride, size.x);
+    }
+}
+
+// Whether the neighbour on `side` is placed.
+bool is_neighbour_placed(uint side) {
+    int row = int(index / push.columns);
+    int col = int(index % push.columns);
+    int away = side == LEFT || side == TOP ? -1 : 1;
+    bool vertical = side == LEFT || side == RIGHT;
+    return placed(row, col, vertical ? 0 : away, vertical ? away : 0);
+}
+
+// Fills the shared variables that have a value from the start.
+void begin() {
+    uint lane = gl_LocalInvocationID.x;
+    if (lane == 0) {
+        index = order[push.first_block + gl_WorkGroupID.x];
+        shared_block = blocks[index];
+        shared_joined = 0;
+        least_error = 0xffffffffu;
+        admissible = 0;
+        wanted_span = 0;
+        before_span = 0;
+        is_found = 0;
+    }
+    in_span[lane] = 0;
+    beyond[lane] = 0;
+    barrier();
+    if (lane < 4 && is_neighbour_placed(lane)) {
+        atomicOr(shared_joined, 1u << lane);
     }
     barrier();
 }
 
 void main() {
-    uint lane = gl_LocalInvocationID.x;
-    uint slot = gl_WorkGroupID.x;
-    uint index = order[push.first_block + slot];
-    Block block = blocks[index];
+    begin();
+    Block block = shared_block;
     if (block.state != STATE_PENDING) {
         return;
     }
     uint tiles_x = (block.sx1 - block.sx0 + TILE) / TILE;
     uint tiles = tiles_x * ((push.sample_height - push.block_px - push.first_row) / push.row_step + 1);
-    uint least = choose(slot, index, block.sx0, tiles_x, (tiles + GROUP - 1) / GROUP);
-
-    int row = int(index / push.columns);
-    int col = int(index % push.columns);
-    bool joined[4];
-    joined[LEFT] = placed(row, col, 0, -1);
-    joined[TOP] = placed(row, col, -1, 0);
-    joined[RIGHT] = placed(row, col, 0, 1);
-    joined[BOTTOM] = placed(row, col, 1, 0);
-    for (uint side = 0; side < 4; side++) {
-        if (joined[side]) {
-            cut(block, side);
-        }
-    }
-
-    uint overlap = push.overlap_px;
-    for (uint i = lane; i < block.width * block.height; i += GROUP) {
-        uint dx = i % block.width;
-        uint dy = i / block.width;
-        uint x = block.x + dx;
-        uint y = block.y + dy;
-        x -= x >= push.output_width ? push.output_width : 0;
-        y -= y >= push.output_height ? push.output_height : 0;
-        bool keep = joined[LEFT] && dx < overlap && dx < cuts[LEFT * MAX_BLOCK + dy];
-        keep = keep || (joined[TOP] && dy < overlap && dy < cuts[TOP * MAX_BLOCK + dx]);
-        keep = keep || (joined[RIGHT] && dx + overlap >= block.width &&
-                        dx + overlap - block.width > cuts[RIGHT * MAX_BLOCK + dy]);
-        keep = keep || (joined[BOTTOM] && dy + overlap >= block.height &&
-                        dy + overlap - block.height > cuts[BOTTOM * MAX_BLOCK + dx]);
-        keep = keep && canvas_at(block, dx, dy) >= PAINTED;
-        if (!keep) {
-            uvec2 from = position + uvec2(dx, dy);
-            uint texel = imageLoad(sample_texels, ivec2(from)).r;
-            imageStore(canvas, ivec2(x, y), uvec4(texel | PAINTED));
-            imageStore(source, ivec2(x, y), uvec4(from.x | (from.y << 16)));
-        }
-    }
-    if (lane == 0) {
+    uint least = choose(gl_WorkGroupID.x, tiles_x, (tiles + GROUP - 1) / GROUP);
+    cut_all(block, shared_joined);
+    paste(block);
+    if (gl_LocalInvocationID.x == 0) {
         blocks[index].state = STATE_PLACED;
         blocks[index].sx = position.x;
         blocks[index].sy = position.y;
