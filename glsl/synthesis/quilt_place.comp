@@ -38,6 +38,8 @@ layout(push_constant) uniform Push {
     uint first_row, row_step;
     // Rows of `tile_bounds` that a block has.
     uint bound_rows;
+    // Entries of `group_minima` that a group has.
+    uint minima_per_group;
 } push;
 
 // Whether only the tiles that still have a bound in `tile_bounds` were compared.
@@ -63,6 +65,14 @@ bool is_compared(uint slot, uint tile) {
     return !PRUNED || imageLoad(tile_bounds, bound_word(slot, push.bound_rows, tile)).r != NO_BOUND;
 }
 
+uint group_least(uint group) {
+    uint least = group_minima[group * push.minima_per_group];
+    for (uint i = 1; i < push.minima_per_group; i++) {
+        least = min(least, group_minima[group * push.minima_per_group + i]);
+    }
+    return least;
+}
+
 uint admissible_of(uvec4 e, uint limit) {
     return uint(e.x <= limit && e.x != 0xffffffffu) + uint(e.y <= limit && e.y != 0xffffffffu) +
            uint(e.z <= limit && e.z != 0xffffffffu) + uint(e.w <= limit && e.w != 0xffffffffu);
@@ -74,7 +84,7 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
     uint first = slot * push.groups_per_block;
     uint least = 0xffffffffu;
     for (uint group = lane; group < groups; group += GROUP) {
-        least = min(least, group_minima[first + group]);
+        least = min(least, group_least(first + group));
     }
     scratch[lane] = least;
     in_span[lane] = 0;
@@ -94,7 +104,7 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
         uint mine = 0;
         uint end = min(begin + span, groups);
         for (uint group = begin; group < end; group++) {
-            if (group_minima[first + group] <= limit) {
+            if (group_least(first + group) <= limit) {
                 if (is_compared(slot, group * GROUP + lane)) {
                     uint place = ((first + group) * GROUP + lane) * 2;
                     mine += admissible_of(errors[place], limit) + admissible_of(errors[place + 1], limit);
@@ -124,7 +134,7 @@ uint choose(uint slot, uint index, uint sx0, uint tiles_x, uint groups) {
     }
     uint last_group = min((wanted_span + 1) * span, groups);
     for (uint group = wanted_span * span; group < last_group; group++) {
-        if (group_minima[first + group] > limit) {
+        if (group_least(first + group) > limit) {
             continue;
         }
         uint place = ((first + group) * GROUP + lane) * 2;

@@ -192,11 +192,12 @@ impl Quilt {
         let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
         let blocks = storage("quilt blocks", size_of_val(&data[..]) as u64)?;
         let errors = storage("quilt errors", block_bytes * u64::from(batch))?;
-        let minima = storage("quilt group minima", u64::from(groups_per_block + 1) * u64::from(batch) * 4)?;
+        let minima_per_block = u64::from(groups_per_block * stages.search_parts + 1);
+        let minima = storage("quilt group minima", minima_per_block * u64::from(batch) * 4)?;
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
         let guide_image = guide.as_ref().map_or(sample.image(), |guide| &guide.image);
         let guide_set = BindingSet::new(context, &stages.guide, &[guide_image.into(), (&blocks).into()])?;
-        let most_groups = context.caps().max_group_count_x;
+        let most_groups = context.caps().max_group_count_x / stages.search_parts;
         let order_list: Vec<u32> = layout.waves.iter().flatten().copied().collect();
         let order = storage("quilt order", size_of_val(&order_list[..]) as u64)?;
         uploads.buffer(context, &order, bytemuck::cast_slice(&order_list))?;
@@ -379,6 +380,7 @@ impl Quilt {
             first_row: rows.first,
             row_step: rows.step,
             bound_rows: 0,
+            minima_per_group: 1,
         }
     }
 
@@ -391,9 +393,13 @@ impl Quilt {
                     let mut push = self.place_push(blocks.start, rows, self.params.tolerance, seed, frame);
                     let count = [blocks.len() as u32, 1, 1];
                     let mut pruned = 0;
-                    if let Search::Pruned(prune) = &self.waves.search {
-                        push.bound_rows = prune.bound_rows();
-                        pruned = 1;
+                    match &self.waves.search {
+                        Search::Overlap(_) => push.minima_per_group = self.stages.search_parts,
+                        Search::Pruned(prune) => {
+                            push.bound_rows = prune.bound_rows();
+                            pruned = 1;
+                        }
+                        Search::Weighted { .. } => {}
                     }
                     recorder.dispatch(&self.stages.place[pruned], &self.waves.place_set, &push, count);
                 }
@@ -420,7 +426,10 @@ impl Quilt {
             first_least: 0,
         };
         match &self.waves.search {
-            Search::Overlap(set) => recorder.dispatch(&self.stages.search[chunk(params)], set, &push, count),
+            Search::Overlap(set) => {
+                let count = [count[0] * self.stages.search_parts, count[1], 1];
+                recorder.dispatch(&self.stages.search[chunk(params)], set, &push, count);
+            }
             Search::Pruned(prune) => {
                 prune.record(recorder, &self.stages.prune, (&push, chunk(params)), self.columns, blocks.len() as u32);
             }

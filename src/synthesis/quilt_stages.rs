@@ -154,6 +154,7 @@ pub(super) struct PlacePush {
     pub first_row: u32,
     pub row_step: u32,
     pub bound_rows: u32,
+    pub minima_per_group: u32,
 }
 
 /// A structure that Rust and GLSL share: its file below glsl/, its name there, its size, and Rust's fields with their
@@ -189,7 +190,7 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             sample_width block_px overlap_px columns rows paint window_px slack capacity band_rows),
         shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
             output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
-            frame first_row row_step bound_rows),
+            frame first_row row_step bound_rows minima_per_group),
     ]
 }
 
@@ -216,6 +217,8 @@ pub struct QuiltStages {
     pub(super) place: [ComputePipeline; 2],
     pub(super) prune: PruneStages,
     pruning: Pruning,
+    /// Invocations of the search that share a tile; so many workgroups, and minima, a group of positions has.
+    pub(super) search_parts: u32,
 }
 
 impl QuiltStages {
@@ -232,7 +235,23 @@ impl QuiltStages {
     /// # Errors
     /// [`crate::Error::Vulkan`] when a call fails.
     pub fn with_pruning(context: &Context, pruning: Pruning) -> Result<Arc<Self>> {
-        let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk]);
+        // A CPU has no idle lanes to share a tile with.
+        let parts = if context.caps().kind == DeviceKind::Cpu { 1 } else { 4 };
+        Self::compile(context, pruning, parts)
+    }
+
+    /// Compiles the stages, for full searches with so many invocations (1, 2, 4 or 8) to a tile. Only for tests: the
+    /// texture is the same.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`] when a call fails.
+    #[doc(hidden)]
+    pub fn with_search_parts(context: &Context, parts: u32) -> Result<Arc<Self>> {
+        Self::compile(context, Pruning::Off, parts)
+    }
+
+    fn compile(context: &Context, pruning: Pruning, search_parts: u32) -> Result<Arc<Self>> {
+        let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk, search_parts]);
         let place = |pruned| ComputePipeline::specialized(context, &QUILT_PLACE, &[pruned]);
         let matching = |previous| ComputePipeline::specialized(context, &QUILT_MATCH, &[previous]);
         Ok(Arc::new(QuiltStages {
@@ -242,6 +261,7 @@ impl QuiltStages {
             place: [place(0)?, place(1)?],
             prune: PruneStages::new(context)?,
             pruning,
+            search_parts,
         }))
     }
 
