@@ -74,11 +74,10 @@ void overlap_part(Block block, uint fields, int part, int parts, int sx, int sy,
                 [[unroll]] for (int j = 0; j < TILE; j += parts) {
                     ivec2 from = ivec2(sx + begin + j + part, sy + top);
                     ivec2 to = ivec2(sx + end + j + part, sy + bottom);
-                    int squares = int(imageLoad(sample_squares, to).r - imageLoad(sample_squares, ivec2(from.x, to.y)).r -
-                                      imageLoad(sample_squares, ivec2(to.x, from.y)).r +
-                                      imageLoad(sample_squares, from).r);
+                    uint squares = imageLoad(sample_squares, to).r - imageLoad(sample_squares, ivec2(from.x, to.y)).r -
+                                   imageLoad(sample_squares, ivec2(to.x, from.y)).r + imageLoad(sample_squares, from).r;
                     [[unroll]] for (int i = 0; i < parts; i++) {
-                        total[j + i] += i == part ? squares : 0;
+                        total[j + i] += i == part ? int(squares) : 0;
                     }
                 }
             }

@@ -38,12 +38,12 @@ layout(push_constant) uniform Push {
     uint first_row, row_step;
     // Rows of `tile_bounds` that a block has.
     uint bound_rows;
-    // Entries of `group_minima` that a group has.
-    uint minima_per_group;
 } push;
 
 // Whether only the tiles that still have a bound in `tile_bounds` were compared.
 layout(constant_id = 0) const bool PRUNED = false;
+// Entries of `group_minima` that a group has.
+layout(constant_id = 1) const uint PARTS = 1;
 
 #include "fields.glsl"
 #include "tile_bounds.glsl"
@@ -66,9 +66,9 @@ bool is_compared(uint slot, uint tile) {
 }
 
 uint group_least(uint group) {
-    uint least = group_minima[group * push.minima_per_group];
-    for (uint i = 1; i < push.minima_per_group; i++) {
-        least = min(least, group_minima[group * push.minima_per_group + i]);
+    uint least = group_minima[group * PARTS];
+    for (uint i = 1; i < PARTS; i++) {
+        least = min(least, group_minima[group * PARTS + i]);
     }
     return least;
 }

@@ -380,7 +380,6 @@ impl Quilt {
             first_row: rows.first,
             row_step: rows.step,
             bound_rows: 0,
-            minima_per_group: 1,
         }
     }
 
@@ -392,16 +391,16 @@ impl Quilt {
                 Step::Place { blocks } => {
                     let mut push = self.place_push(blocks.start, rows, self.params.tolerance, seed, frame);
                     let count = [blocks.len() as u32, 1, 1];
-                    let mut pruned = 0;
-                    match &self.waves.search {
-                        Search::Overlap(_) => push.minima_per_group = self.stages.search_parts,
+                    let [matched, pruned, full] = &self.stages.place;
+                    let place = match &self.waves.search {
+                        Search::Overlap(_) => full,
                         Search::Pruned(prune) => {
                             push.bound_rows = prune.bound_rows();
-                            pruned = 1;
+                            pruned
                         }
-                        Search::Weighted { .. } => {}
-                    }
-                    recorder.dispatch(&self.stages.place[pruned], &self.waves.place_set, &push, count);
+                        Search::Weighted { .. } => matched,
+                    };
+                    recorder.dispatch(place, &self.waves.place_set, &push, count);
                 }
             }
         }

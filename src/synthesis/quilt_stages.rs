@@ -154,7 +154,6 @@ pub(super) struct PlacePush {
     pub first_row: u32,
     pub row_step: u32,
     pub bound_rows: u32,
-    pub minima_per_group: u32,
 }
 
 /// A structure that Rust and GLSL share: its file below glsl/, its name there, its size, and Rust's fields with their
@@ -190,7 +189,7 @@ pub fn shared_structs() -> Vec<SharedStruct> {
             sample_width block_px overlap_px columns rows paint window_px slack capacity band_rows),
         shared!("synthesis/quilt_place.comp", "uniform Push", PlacePush,
             output sample_height block_px overlap_px tileable first_block groups_per_block columns rows tolerance seed
-            frame first_row row_step bound_rows minima_per_group),
+            frame first_row row_step bound_rows),
     ]
 }
 
@@ -213,8 +212,8 @@ pub struct QuiltStages {
     pub(super) search: [ComputePipeline; 3],
     /// Without and with another picture to match.
     pub(super) matching: [ComputePipeline; 2],
-    /// After a full search and after a pruned one.
-    pub(super) place: [ComputePipeline; 2],
+    /// After `quilt_match`, after a pruned search, and after a full one, whose groups have more minima.
+    pub(super) place: [ComputePipeline; 3],
     pub(super) prune: PruneStages,
     pruning: Pruning,
     /// Invocations of the search that share a tile; so many workgroups, and minima, a group of positions has.
@@ -252,13 +251,13 @@ impl QuiltStages {
 
     fn compile(context: &Context, pruning: Pruning, search_parts: u32) -> Result<Arc<Self>> {
         let search = |chunk| ComputePipeline::specialized(context, &QUILT_SEARCH, &[chunk, search_parts]);
-        let place = |pruned| ComputePipeline::specialized(context, &QUILT_PLACE, &[pruned]);
+        let place = |pruned, minima| ComputePipeline::specialized(context, &QUILT_PLACE, &[pruned, minima]);
         let matching = |previous| ComputePipeline::specialized(context, &QUILT_MATCH, &[previous]);
         Ok(Arc::new(QuiltStages {
             guide: ComputePipeline::new(context, &QUILT_GUIDE)?,
             search: [search(4)?, search(5)?, search(6)?],
             matching: [matching(0)?, matching(1)?],
-            place: [place(0)?, place(1)?],
+            place: [place(0, 1)?, place(1, 1)?, place(0, search_parts)?],
             prune: PruneStages::new(context)?,
             pruning,
             search_parts,
