@@ -110,6 +110,8 @@ fn difference(gpu: &Quilted, oracle: &Quilted) -> Result<(), String> {
 struct Bench {
     runner: Runner,
     stages: Arc<QuiltStages>,
+    /// Stages that must give the same, with the number of invocations that share a tile of positions.
+    parted: Vec<(u32, Arc<QuiltStages>)>,
     gpu: Validated,
 }
 
@@ -117,7 +119,18 @@ impl Bench {
     fn new() -> Self {
         let gpu = Validated::new();
         let stages = QuiltStages::new(&gpu.context).expect("stages");
-        Bench { runner: gpu.runner(), stages, gpu }
+        Bench { runner: gpu.runner(), stages, parted: Vec::new(), gpu }
+    }
+
+    /// Checks every case for each way to share a tile of positions, as all kinds of devices do it.
+    fn of_every_part() -> Self {
+        let mut bench = Bench::new();
+        bench.parted = [1, 2, 4, 8].map(|parts| (parts, bench.parts(parts))).to_vec();
+        bench
+    }
+
+    fn parts(&self, parts: u32) -> Arc<QuiltStages> {
+        QuiltStages::with_search_parts(&self.gpu.context, parts).expect("stages")
     }
 
     fn run(&mut self, case: &Case<'_>, comparisons: u64) -> Quilted {
@@ -129,6 +142,10 @@ impl Bench {
         if let Err(difference) = difference(&got, &case.oracle()) {
             panic!("{what}: {difference}");
         }
+        for (parts, stages) in &self.parted {
+            let parted = case.gpu(&mut self.runner, &self.gpu.context, stages, u64::MAX);
+            assert_eq!(difference(&parted, &got), Ok(()), "{what}, {parts} parts");
+        }
         got
     }
 }
@@ -139,7 +156,7 @@ fn params(block_px: u32, overlap_px: u32, tolerance: f32, seed: u32, tileable: b
 
 #[test]
 fn free_quilting_equals_the_oracle() {
-    let mut bench = Bench::new();
+    let mut bench = Bench::of_every_part();
     for (i, (size, output, block_px, overlap_px, tolerance, tileable)) in [
         ((48, 40), (96, 80), 16, 4, 0.1, false),
         ((33, 57), (101, 67), 12, 3, 0.0, false),
@@ -192,7 +209,7 @@ fn very_many_blocks_equal_the_oracle() {
 /// The search is compiled for runs of 4, 5 and 6 texels; these are the overlaps and blocks that choose each.
 #[test]
 fn every_chunk_of_the_search_equals_the_oracle() {
-    let mut bench = Bench::new();
+    let mut bench = Bench::of_every_part();
     let sample = noise(61, 45, 5);
     for (block_px, overlap_px) in [(16, 4), (32, 8), (15, 5), (20, 5), (18, 6), (30, 6), (7, 2), (23, 7), (64, 31)] {
         let size = (61.max(block_px), 45);
@@ -214,7 +231,7 @@ fn every_chunk_of_the_search_equals_the_oracle() {
 /// Where all positions are equally good, the choice alone decides, over the whole of the sample.
 #[test]
 fn a_constant_sample_is_chosen_from_evenly() {
-    let mut bench = Bench::new();
+    let mut bench = Bench::of_every_part();
     let sample = vec![[90, 120, 40, 255]; 50 * 38];
     let case = |seed| Case {
         sample: &sample,
@@ -266,6 +283,8 @@ fn the_largest_sample_is_chosen_from_as_a_whole() {
 #[test]
 fn cut_waves_and_searches_equal_the_oracle() {
     let mut bench = Bench::new();
+    // A pruned search would not be cut.
+    bench.stages = bench.parts(1);
     let counts = |bench: &mut Bench| {
         let times = bench.runner.take_times();
         ["quilt_search", "quilt_place"].map(|name| times.iter().find(|t| t.name == name).map_or(0, |t| t.count))
@@ -288,9 +307,12 @@ fn cut_waves_and_searches_equal_the_oracle() {
     let sample = noise(330, 330, 4);
     let params = params(64, 32, 0.1, 6, false);
     let case = Case { sample: &sample, size: (330, 330), output: (90, 90), params, guide: None };
-    bench.check(&case, "a search cut in two");
+    let got = bench.check(&case, "a search cut in two");
     let [searches, places] = counts(&mut bench);
     assert!(searches > places, "{searches} searches for {places} goes: none was cut");
+    let stages = bench.parts(4);
+    let parted = case.gpu(&mut bench.runner, &bench.gpu.context, &stages, u64::MAX);
+    assert_eq!(difference(&parted, &got), Ok(()), "a search cut in two, 4 parts");
 }
 
 #[test]
@@ -330,7 +352,7 @@ fn random_guide(output: (u32, u32), seed: u32, covered: u32, window_px: u32) -> 
 
 #[test]
 fn guided_quilting_equals_the_oracle() {
-    let mut bench = Bench::new();
+    let mut bench = Bench::of_every_part();
     let mut skipped = 0;
     let mut placed = 0;
     // Windows of k = 0, a third, 1 and 4 blocks, and one that takes in every sample.
@@ -363,7 +385,7 @@ fn guided_quilting_equals_the_oracle() {
 
 #[test]
 fn extreme_guides_equal_the_oracle() {
-    let mut bench = Bench::new();
+    let mut bench = Bench::of_every_part();
     let sample = noise(80, 30, 8);
     let output = (50, 40);
     let run = |bench: &mut Bench, pixels: Vec<(u8, u16)>, paint, what: &str| {
@@ -392,7 +414,7 @@ fn crop(texels: &[[u8; 4]], width: u32, (x0, y0): (u32, u32), (w, h): (u32, u32)
 #[test]
 fn real_paint_equals_the_oracle() {
     let Some(dir) = data_dir() else { return };
-    let mut bench = Bench::new();
+    let mut bench = Bench::of_every_part();
     for (i, name) in ["mypaint_oil_green_yellow_512x128.png", "scan_pencil_red_yellow_232x128.png"].iter().enumerate() {
         let strip = PaintSample::load(dir.join("paint").join(name)).expect("a strip");
         let trajectory = Trajectory::extract(&strip, &TrajectoryOptions::default()).expect("a trajectory");

@@ -10,12 +10,15 @@
 // 32-bit integers that may wrap around, since the sum itself fits. Products ab are summed in 32-bit floats over so few
 // texels that they hold them exactly, with or without fused operations. A texel of the sample that is loaded and
 // unpacked once serves TILE comparisons.
+// Where a device has more invocations than there are tiles, several share one: each takes every so many-th chunk of a
+// run. Sums of integers do not depend on who adds which.
 
 // Texels of a block's row that are compared at a time: 4, 5 or 6, whichever wastes least at the ends of runs.
 layout(constant_id = 0) const int CHUNK = 4;
 
 // So many products of two colours can be summed in a float without rounding: 86 * 3 * 255^2 < 2^24.
 const int EXACT_TEXELS = 86;
+const int EXACT_CHUNKS = EXACT_TEXELS / CHUNK;
 
 vec3 load_rgb(int x, int y) {
     return vec3(unpack_rgb(imageLoad(sample_texels, ivec2(x, y)).r));
@@ -41,8 +44,9 @@ vec3 load_block(int x, int y, int dx, int end) {
     s += dot(p0, b0) + dot(p1, b1) + dot(p2, b2) + dot(p3, b3);                                                        \
     s += CHUNK > 5 ? dot(p4, b4) + dot(p5, b5) : CHUNK > 4 ? dot(p4, b4) : 0.0;
 
-// Sets `total` to the errors at (sx, sy), (sx + 1, sy) and so on; `fields` are those that are painted.
-void overlap_errors(Block block, uint fields, int sx, int sy, out int total[TILE]) {
+// Sets `total` to terms of the errors at (sx, sy), (sx + 1, sy) and so on; `fields` are those that are painted. The
+// errors are the sums over `part` = 0 to `parts` - 1; `parts`, a constant, divides TILE.
+void overlap_part(Block block, uint fields, int part, int parts, int sx, int sy, out int total[TILE]) {
     for (int j = 0; j < TILE; j++) {
         total[j] = 0;
     }
@@ -66,23 +70,32 @@ void overlap_errors(Block block, uint fields, int sx, int sy, out int total[TILE
             int y_end = end > begin ? bottom : top;
 
             for (int y = top; y < y_end; y += bottom - top) {
-                [[unroll]] for (int j = 0; j < TILE; j++) {
-                    ivec2 from = ivec2(sx + begin + j, sy + top);
-                    ivec2 to = ivec2(sx + end + j, sy + bottom);
-                    total[j] += int(imageLoad(sample_squares, to).r - imageLoad(sample_squares, ivec2(from.x, to.y)).r -
-                                    imageLoad(sample_squares, ivec2(to.x, from.y)).r +
-                                    imageLoad(sample_squares, from).r);
+                // A part has the squares of one position of `parts`; which one, no index needs to know.
+                [[unroll]] for (int j = 0; j < TILE; j += parts) {
+                    ivec2 from = ivec2(sx + begin + j + part, sy + top);
+                    ivec2 to = ivec2(sx + end + j + part, sy + bottom);
+                    uint squares = imageLoad(sample_squares, to).r - imageLoad(sample_squares, ivec2(from.x, to.y)).r -
+                                   imageLoad(sample_squares, ivec2(to.x, from.y)).r + imageLoad(sample_squares, from).r;
+                    [[unroll]] for (int i = 0; i < parts; i++) {
+                        total[j + i] += i == part ? int(squares) : 0;
+                    }
                 }
             }
-            // So many rows at a time that the sums stay exact.
-            int rows_exact = EXACT_TEXELS / max(end - begin, 1);
-            for (int first_row = top; first_row < y_end; first_row += rows_exact) {
+            int chunks = max((end - begin + CHUNK - 1) / CHUNK, 1);
+            int steps = chunks * (y_end - top);
+            // Where the part begins, and how far it is to its next chunk. A lone part needs no slow division.
+            int rows_from = parts > 1 ? part / chunks : 0;
+            int dx = begin + (part - rows_from * chunks) * CHUNK;
+            int dy = top + rows_from;
+            int rows_on = parts > 1 ? parts / chunks : 0;
+            int columns_on = (parts - rows_on * chunks) * CHUNK;
+            // So many chunks at a time that the sums stay exact.
+            for (int first_step = part; first_step < steps; first_step += EXACT_CHUNKS * parts) {
                 float s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0, s4 = 0.0, s5 = 0.0, s6 = 0.0, s7 = 0.0;
                 float constant = 0.0;
-                int end_row = min(first_row + rows_exact, y_end);
+                int end_step = min(first_step + EXACT_CHUNKS * parts, steps);
                 // One loop over rows and chunks: an inner loop would be entered anew for each of many short rows.
-                int dx = begin;
-                for (int dy = first_row; dy < end_row;) {
+                for (int step = first_step; step < end_step; step += parts) {
                     int y = wrapped(int(block.y) + dy, push.output_height);
                     // The block's texels, and the sample's that face them at the TILE positions.
                     BLOCK_TEXEL(0) BLOCK_TEXEL(1) BLOCK_TEXEL(2) BLOCK_TEXEL(3) BLOCK_TEXEL(4) BLOCK_TEXEL(5)
@@ -97,9 +110,9 @@ void overlap_errors(Block block, uint fields, int sx, int sy, out int total[TILE
                     POSITION(s5, a5, a6, a7, a8, a9, a10)
                     POSITION(s6, a6, a7, a8, a9, a10, a11)
                     POSITION(s7, a7, a8, a9, a10, a11, a12)
-                    dx += CHUNK;
-                    dy += dx < end ? 0 : 1;
-                    dx = dx < end ? dx : begin;
+                    dx += columns_on;
+                    dy += dx < end ? rows_on : rows_on + 1;
+                    dx -= dx < end ? 0 : chunks * CHUNK;
                 }
                 int squares = int(constant);
                 total[0] += squares - 2 * int(s0);
@@ -113,4 +126,9 @@ void overlap_errors(Block block, uint fields, int sx, int sy, out int total[TILE
             }
         }
     }
+}
+
+// Sets `total` to the errors at (sx, sy), (sx + 1, sy) and so on; `fields` are those that are painted.
+void overlap_errors(Block block, uint fields, int sx, int sy, out int total[TILE]) {
+    overlap_part(block, fields, 0, 1, sx, sy, total);
 }

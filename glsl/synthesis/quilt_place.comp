@@ -43,6 +43,8 @@ layout(push_constant) uniform Push {
 
 // Whether only the tiles that still have a bound in `tile_bounds` were compared.
 layout(constant_id = 0) const bool PRUNED = false;
+// Entries of `group_minima` that a group has.
+layout(constant_id = 1) const uint PARTS = 1;
 
 #include "fields.glsl"
 #include "tile_bounds.glsl"
@@ -88,6 +90,14 @@ bool is_compared(uint slot, uint tile) {
     return !PRUNED || imageLoad(tile_bounds, bound_word(slot, push.bound_rows, tile)).r != NO_BOUND;
 }
 
+uint group_least(uint group) {
+    uint least = group_minima[group * PARTS];
+    for (uint i = 1; i < PARTS; i++) {
+        least = min(least, group_minima[group * PARTS + i]);
+    }
+    return least;
+}
+
 uint admissible_of(uvec4 e, uint limit) {
     return uint(e.x <= limit && e.x != 0xffffffffu) + uint(e.y <= limit && e.y != 0xffffffffu) +
            uint(e.z <= limit && e.z != 0xffffffffu) + uint(e.w <= limit && e.w != 0xffffffffu);
@@ -124,7 +134,7 @@ bool has_item(uint count, uint wanted, out uint before) {
 uint least_of(uint first, uint groups) {
     uint least = 0xffffffffu;
     for (uint group = gl_LocalInvocationID.x; group < groups; group += GROUP) {
-        least = min(least, group_minima[first + group]);
+        least = min(least, group_least(first + group));
     }
     if (least != 0xffffffffu) {
         atomicMin(least_error, least);
@@ -150,7 +160,7 @@ void count_admissible(uint slot, uint groups, uint span, uint limit) {
     uint first = slot * push.groups_per_block;
     for (uint begin = 0; begin < groups; begin += GROUP) {
         uint mine = begin + gl_LocalInvocationID.x;
-        uint n = gather(mine < groups && group_minima[first + mine] <= limit, mine);
+        uint n = gather(mine < groups && group_least(first + mine) <= limit, mine);
         for (uint i = 0; i < n; i++) {
             uint group = list[i];
             uvec4 a, b;
@@ -205,7 +215,7 @@ uint choose(uint slot, uint tiles_x, uint groups) {
     uint begin = wanted_span * span;
     uint end = min(begin + span, groups);
     for (uint group = begin; group < end && is_found == 0; group++) {
-        if (group_minima[first + group] > limit) {
+        if (group_least(first + group) > limit) {
             continue;
         }
         uvec4 a, b;

@@ -192,12 +192,13 @@ impl Quilt {
         let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
         let blocks = storage("quilt blocks", size_of_val(&data[..]) as u64)?;
         let errors = storage("quilt errors", block_bytes * u64::from(batch))?;
-        let minima = storage("quilt group minima", u64::from(groups_per_block + 1) * u64::from(batch) * 4)?;
+        let minima_per_block = u64::from(groups_per_block * stages.search_parts() + 1);
+        let minima = storage("quilt group minima", minima_per_block * u64::from(batch) * 4)?;
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
         let guide_image = guide.as_ref().map_or(sample.image(), |guide| &guide.image);
         let found = [guide_image.into(), (&blocks).into()];
         let find = Stage::new(context, stages.pipeline(&QUILT_GUIDE, &[])?, &found)?;
-        let most_groups = context.caps().max_group_count_x;
+        let most_groups = context.caps().max_group_count_x / stages.search_parts();
         let order_list: Vec<u32> = layout.waves.iter().flatten().copied().collect();
         let order = storage("quilt order", size_of_val(&order_list[..]) as u64)?;
         uploads.buffer(context, &order, bytemuck::cast_slice(&order_list))?;
@@ -222,8 +223,11 @@ impl Quilt {
             }
             _ => Search::Overlap(targets.search(context, params)?),
         };
-        let tile_bounds = if let Search::Pruned(prune) = &search { Some(prune.tile_bounds()) } else { None };
-        let place = targets.place(context, tile_bounds)?;
+        let place = match &search {
+            Search::Overlap(_) => targets.place(context, stages.search_parts(), None)?,
+            Search::Pruned(prune) => targets.place(context, 1, Some(prune.tile_bounds()))?,
+            Search::Weighted { .. } => targets.place(context, 1, None)?,
+        };
         let waves = Waves {
             search,
             place,
@@ -420,7 +424,10 @@ impl Quilt {
             first_least: 0,
         };
         match &self.waves.search {
-            Search::Overlap(stage) => recorder.dispatch(&stage.pipeline, &stage.set, &push, count),
+            Search::Overlap(stage) => {
+                let count = [count[0] * self.stages.search_parts(), count[1], 1];
+                recorder.dispatch(&stage.pipeline, &stage.set, &push, count);
+            }
             Search::Pruned(prune) => prune.record(recorder, &push, self.columns, blocks.len() as u32),
             Search::Weighted { stage, weights } => {
                 let push = MatchPush { first_group: groups.start, ..self.match_push(blocks.start, rows, *weights) };

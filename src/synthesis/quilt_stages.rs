@@ -211,6 +211,8 @@ pub enum Pruning {
 pub struct QuiltStages {
     context: Context,
     pruning: Pruning,
+    /// Invocations of the full search that share a tile; so many workgroups, and minima, a group of positions has.
+    search_parts: u32,
     compiled: Mutex<Vec<(&'static str, Vec<u32>, Arc<ComputePipeline>)>>,
 }
 
@@ -222,7 +224,24 @@ impl QuiltStages {
 
     /// For searches that are pruned or not.
     pub fn with_pruning(context: &Context, pruning: Pruning) -> Arc<Self> {
-        Arc::new(QuiltStages { context: context.clone(), pruning, compiled: Mutex::default() })
+        // A CPU has no idle lanes to share a tile with.
+        let parts = if context.caps().kind == DeviceKind::Cpu { 1 } else { 4 };
+        Self::with(context, pruning, parts)
+    }
+
+    /// For full searches with so many invocations (1, 2, 4 or 8) to a tile. Only for tests: the texture is the same.
+    #[doc(hidden)]
+    pub fn with_search_parts(context: &Context, parts: u32) -> Arc<Self> {
+        Self::with(context, Pruning::Off, parts)
+    }
+
+    fn with(context: &Context, pruning: Pruning, search_parts: u32) -> Arc<Self> {
+        Arc::new(QuiltStages { context: context.clone(), pruning, search_parts, compiled: Mutex::default() })
+    }
+
+    /// Minima that a group of positions has after a full search.
+    pub(super) fn search_parts(&self) -> u32 {
+        self.search_parts
     }
 
     /// Compiles what any quilting with these parameters needs, so that making one takes less long.
@@ -232,9 +251,15 @@ impl QuiltStages {
     pub fn compile(&self, params: &QuiltParams) -> Result<()> {
         self.pipeline(&QUILT_GUIDE, &[])?;
         let pruned = self.prunes(&self.context, u64::MAX);
-        self.pipeline(&QUILT_PLACE, &[u32::from(pruned)])?;
-        let searches: &[&Shader] = if pruned { &[&QUILT_AIM, &QUILT_COMPARE] } else { &[&QUILT_SEARCH] };
-        searches.iter().try_for_each(|search| self.pipeline(search, &[chunk(params)]).map(drop))
+        if pruned {
+            self.pipeline(&QUILT_PLACE, &[1, 1])?;
+            self.pipeline(&QUILT_AIM, &[chunk(params)])?;
+            self.pipeline(&QUILT_COMPARE, &[chunk(params)])?;
+        } else {
+            self.pipeline(&QUILT_PLACE, &[0, self.search_parts])?;
+            self.pipeline(&QUILT_SEARCH, &[chunk(params), self.search_parts])?;
+        }
+        Ok(())
     }
 
     /// The pipeline of a shader with these specialisation constants.
@@ -300,7 +325,7 @@ impl Targets<'_> {
 
     pub fn search(&self, context: &Context, params: &QuiltParams) -> Result<Stage> {
         let images = [self.sample.image().into(), self.sample.squares().into(), self.canvas.into()];
-        let pipeline = self.stages.pipeline(&QUILT_SEARCH, &[chunk(params)])?;
+        let pipeline = self.stages.pipeline(&QUILT_SEARCH, &[chunk(params), self.stages.search_parts])?;
         Stage::new(context, pipeline, &[&images[..], &self.buffers()].concat())
     }
 
@@ -312,11 +337,11 @@ impl Targets<'_> {
         Stage::new(context, pipeline, &[&images[..], &self.buffers()].concat())
     }
 
-    /// `tile_bounds` are those of a pruned search.
-    pub fn place(&self, context: &Context, tile_bounds: Option<&Image>) -> Result<Stage> {
+    /// `minima` are those of a group, `tile_bounds` those of a pruned search.
+    pub fn place(&self, context: &Context, minima: u32, tile_bounds: Option<&Image>) -> Result<Stage> {
         let bounds = tile_bounds.unwrap_or(self.sample.image());
         let images = [self.sample.image().into(), self.canvas.into(), self.source.into(), bounds.into()];
-        let pipeline = self.stages.pipeline(&QUILT_PLACE, &[u32::from(tile_bounds.is_some())])?;
+        let pipeline = self.stages.pipeline(&QUILT_PLACE, &[u32::from(tile_bounds.is_some()), minima])?;
         Stage::new(context, pipeline, &[&images[..], &self.buffers()].concat())
     }
 }

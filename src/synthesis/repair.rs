@@ -188,7 +188,7 @@ impl Repair {
             minima: &minima,
         };
         let matching = targets.matching(context, None)?;
-        let place = targets.place(context, None)?;
+        let place = targets.place(context, 1, None)?;
         let params = *params;
         Ok(Repair { stages: stages.clone(), params, guide, rounds, row_step, counts, fit_set, matching, place })
     }
