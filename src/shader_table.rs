@@ -22,7 +22,6 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
         ("synthesis/quilt_search.comp", quilt_stages::QUILT_SEARCH),
         ("synthesis/quilt_match.comp", quilt_stages::QUILT_MATCH),
         ("synthesis/quilt_aim.comp", prune::QUILT_AIM),
-        ("synthesis/quilt_template.comp", prune::QUILT_TEMPLATE),
         ("synthesis/quilt_bound.comp", prune::QUILT_BOUND),
         ("synthesis/quilt_compare.comp", prune::QUILT_COMPARE),
         ("synthesis/quilt_place.comp", quilt_stages::QUILT_PLACE),

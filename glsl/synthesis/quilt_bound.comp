@@ -18,6 +18,8 @@ layout(local_size_x = 8, local_size_y = 16) in;
 
 // Blocks of the chunk that there are.
 layout(constant_id = 1) const uint BLOCKS = 8;
+// At most.
+const uint MAX_BLOCKS = 10;
 // Rows of positions of an invocation.
 layout(constant_id = 2) const uint ROWS = 1;
 // Whether each block is searched for within a window of its own; then STRIDE and BLOCKS are 1.
@@ -45,8 +47,8 @@ layout(push_constant) uniform Push {
 
 // Those of a chunk of blocks, and last their headers; shared, because lavapipe reads what is shared, at a place that is
 // known when the pipeline is made, once for all invocations.
-shared vec4 chunk[(2 * TEXELS + 1) * BLOCKS];
-shared float limits[BLOCKS];
+shared vec4 chunk[(2 * MAX_TEXELS + 1) * MAX_BLOCKS];
+shared float limits[MAX_BLOCKS];
 
 // Two coordinates of 16 bits.
 vec2 unpacked(uint word) {

@@ -18,7 +18,7 @@ layout(binding = 0, r32ui) uniform readonly uimage2D sample_texels;
 layout(binding = 1, r32ui) uniform uimage2D canvas;
 // x + (y << 16) of the sample's texel that each pixel came from.
 layout(binding = 2, r32ui) uniform writeonly uimage2D source;
-layout(binding = 3, r32ui) uniform readonly uimage2D tile_bounds;
+layout(binding = 3, r32ui) uniform uimage2D tile_bounds;
 layout(binding = 4, std430) buffer Blocks { Block blocks[]; };
 layout(binding = 5, std430) readonly buffer Order { uint order[]; };
 layout(binding = 6, std430) readonly buffer Errors { uvec4 errors[]; };
@@ -408,6 +408,13 @@ void begin() {
     barrier();
 }
 
+// For the next wave.
+void clear_bounds(uint slot, uint tiles) {
+    for (uint tile = gl_LocalInvocationID.x; tile < tiles; tile += GROUP) {
+        imageStore(tile_bounds, bound_word(slot, push.bound_rows, tile), uvec4(NO_BOUND));
+    }
+}
+
 void main() {
     begin();
     Block block = shared_block;
@@ -419,6 +426,9 @@ void main() {
     uint least = choose(gl_WorkGroupID.x, tiles_x, (tiles + GROUP - 1) / GROUP);
     cut_all(block, shared_joined);
     paste(block);
+    if (PRUNED) {
+        clear_bounds(gl_WorkGroupID.x, tiles);
+    }
     if (gl_LocalInvocationID.x == 0) {
         blocks[index].state = STATE_PLACED;
         blocks[index].sx = position.x;

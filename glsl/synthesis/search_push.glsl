@@ -1,4 +1,4 @@
-// What quilt_search, quilt_aim and quilt_compare are told. Rust's side of it is SearchPush in
+// What quilt_search and quilt_compare are told. Rust's side of it is SearchPush in
 // src/synthesis/quilt_stages.rs.
 layout(push_constant) uniform Push {
     uint output_width, output_height;

@@ -1,8 +1,8 @@
 //! Pruning of a search: positions that cannot be chosen are left out before they are compared.
 //!
-//! Four stages for the blocks of a wave take the place of `quilt_search`. `quilt_aim` compares a few likely positions,
-//! which bounds the least error, and so the error of any admissible position, from above. `quilt_template` projects what
-//! is painted in a block's overlaps, and `quilt_bound` compares that with the projections of the sample's strips
+//! Three stages for the blocks of a wave take the place of `quilt_search`. `quilt_aim` compares a few likely positions,
+//! which bounds the least error, and so the error of any admissible position, from above; it also projects what is
+//! painted in a block's overlaps. `quilt_bound` compares that with the projections of the sample's strips
 //! ([`super::strips`]), which bounds each position's error from below. `quilt_compare` compares what is left. All
 //! admissible positions are among it, so that `quilt_place` makes the same choice among them as it would among all.
 
@@ -29,23 +29,10 @@ pub(crate) const QUILT_AIM: Shader = Shader {
         BindingKind::Image(Access::ComputeWrite),
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
+        BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeWrite),
     ],
-    push_bytes: size_of::<SearchPush>() as u32,
-};
-
-pub(crate) const QUILT_TEMPLATE: Shader = Shader {
-    name: "quilt_template",
-    spirv: include_bytes!("../../glsl/spirv/synthesis/quilt_template.comp.spv"),
-    bindings: &[
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeRead),
-        BindingKind::Image(Access::ComputeWrite),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-        BindingKind::Buffer(Access::ComputeRead),
-    ],
-    push_bytes: size_of::<TemplatePush>() as u32,
+    push_bytes: size_of::<AimPush>() as u32,
 };
 
 pub(crate) const QUILT_BOUND: Shader = Shader {
@@ -78,8 +65,9 @@ pub(crate) const QUILT_COMPARE: Shader = Shader {
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-pub(super) struct TemplatePush {
+pub(super) struct AimPush {
     pub output: [u32; 2],
+    pub sample_height: u32,
     pub block_px: u32,
     pub overlap_px: u32,
     pub tileable: u32,
@@ -87,12 +75,13 @@ pub(super) struct TemplatePush {
     pub rows: u32,
     pub first_block: u32,
     pub strips: u32,
+    pub first_least: u32,
     pub centre_r: f32,
     pub centre_g: f32,
     pub centre_b: f32,
 }
 
-/// `Strip` of quilt_template.comp.
+/// `Strip` of quilt_aim.comp.
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(super) struct StripData {
@@ -118,6 +107,8 @@ pub(super) struct BoundPush {
     pub first_least: u32,
 }
 
+/// What a tile has that has no bound, as in tile_bounds.glsl.
+const NO_BOUND: u32 = u32::MAX;
 /// Words in a row of the tiles' bounds, as in tile_bounds.glsl.
 const BOUND_WORDS: u32 = 1024;
 /// Groups of positions that a workgroup of `quilt_compare` takes, as there.
@@ -233,7 +224,6 @@ fn join<T>(thread: ScopedJoinHandle<'_, T>) -> T {
 /// Pruning of one quilting's search.
 pub(super) struct Prune {
     aim: Stage,
-    template: Stage,
     /// For so many blocks.
     bound: Vec<(u32, Arc<ComputePipeline>)>,
     bound_set: BindingSet,
@@ -323,20 +313,17 @@ impl Prune {
         let desc = ImageDesc::storage_2d(batch + BLOCK_COUNTS[1], 2 * texels + 1, floats);
         let templates = Image::new(context, "quilt templates", &desc)?;
 
-        let aim = stages.pipeline(&QUILT_AIM, &[chunk(params)])?;
-        let template = stages.pipeline(&QUILT_TEMPLATE, &[texels])?;
+        let aim = stages.pipeline(&QUILT_AIM, &[texels])?;
         let compare = stages.pipeline(&QUILT_COMPARE, &[chunk(params)])?;
 
         let picked: [Bound; 2] = [targets.blocks.into(), targets.order.into()];
         let compared = [sample.image().into(), sample.squares().into(), targets.canvas.into(), (&tile_bounds).into()];
-        let aimed = [&compared[..], &picked, &[targets.minima.into()]].concat();
         let errors = [targets.errors.into(), targets.minima.into()];
-        let painted = [targets.canvas.into(), (&directions).into(), (&templates).into()];
-        let painted = [&painted[..], &picked, &[(&strip_buffer).into()]].concat();
+        let pictures = [sample.image().into(), targets.canvas.into(), (&directions).into(), (&templates).into()];
+        let aimed = [&pictures[..], &picked, &[(&strip_buffer).into(), targets.minima.into()]].concat();
         let bounded = [(&coordinates).into(), (&tile_bounds).into(), (&templates).into(), targets.minima.into()];
         Ok(Prune {
             aim: Stage::new(context, aim, &aimed)?,
-            template: Stage::new(context, template, &painted)?,
             bound_set: BindingSet::new(context, &*bound[0].1, &bounded)?,
             bound,
             compare: Stage::new(context, compare, &[&compared[..], &picked, &errors].concat())?,
@@ -355,6 +342,11 @@ impl Prune {
         self.bound_rows
     }
 
+    /// Records that no tile has a bound, as it is before each wave: `quilt_place` clears those of its block.
+    pub fn record_begin(&self, recorder: &mut Recorder<'_>) {
+        recorder.fill_images("quilt_clear", &[&self.tile_bounds], NO_BOUND);
+    }
+
     /// Which tiles were compared, after [`Prune::record`].
     pub fn tile_bounds(&self) -> &Image {
         &self.tile_bounds
@@ -365,8 +357,9 @@ impl Prune {
     pub fn record(&self, recorder: &mut Recorder<'_>, push: &SearchPush, columns: u32, blocks: u32) {
         let push = SearchPush { bound_rows: self.bound_rows, first_least: self.first_least, ..*push };
         let [centre_r, centre_g, centre_b] = self.centre;
-        let template = TemplatePush {
+        let aim = AimPush {
             output: push.output,
+            sample_height: push.sample_height,
             block_px: push.block_px,
             overlap_px: push.overlap_px,
             tileable: push.tileable,
@@ -374,12 +367,12 @@ impl Prune {
             rows: push.rows,
             first_block: push.first_block,
             strips: self.strips,
+            first_least: self.first_least,
             centre_r,
             centre_g,
             centre_b,
         };
-        recorder.dispatch(&self.aim.pipeline, &self.aim.set, &push, [blocks, 1, 1]);
-        recorder.dispatch(&self.template.pipeline, &self.template.set, &template, [blocks, 1, 1]);
+        recorder.dispatch(&self.aim.pipeline, &self.aim.set, &aim, [blocks, 1, 1]);
         self.record_bound(recorder, &push, columns, blocks);
         let groups = [push.groups_per_block.div_ceil(SPAN), blocks, 1];
         recorder.dispatch(&self.compare.pipeline, &self.compare.set, &push, groups);

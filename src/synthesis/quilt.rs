@@ -327,6 +327,9 @@ impl Quilt {
             recorder.copy_image("quilt_previous", &self.canvas, previous);
         }
         recorder.clear_images("quilt_clear", &[&self.canvas, &self.source]);
+        if let Search::Pruned(prune) = &self.waves.search {
+            prune.record_begin(recorder);
+        }
         let push = GuidePush {
             output: [self.layout.output.0, self.layout.output.1],
             sample_width: self.sample_size.0,

@@ -2,7 +2,7 @@
 //! to. [`super::quilt`] and [`super::repair`] say in which order they run.
 
 use super::params::QuiltParams;
-use super::prune::{BoundPush, StripData, TemplatePush, QUILT_AIM, QUILT_COMPARE};
+use super::prune::{AimPush, BoundPush, StripData, QUILT_COMPARE};
 use super::repair::FitPush;
 use super::sample::SampleTexels;
 use crate::gpu::{Access, BindingKind, BindingSet, Bound, Buffer, ComputePipeline, Context, DeviceKind, Image, Shader};
@@ -60,7 +60,7 @@ pub(crate) const QUILT_PLACE: Shader = Shader {
         BindingKind::Image(Access::ComputeRead),
         BindingKind::Image(Access::ComputeReadWrite),
         BindingKind::Image(Access::ComputeWrite),
-        BindingKind::Image(Access::ComputeRead),
+        BindingKind::Image(Access::ComputeReadWrite),
         BindingKind::Buffer(Access::ComputeReadWrite),
         BindingKind::Buffer(Access::ComputeRead),
         BindingKind::Buffer(Access::ComputeRead),
@@ -177,9 +177,10 @@ pub fn shared_structs() -> Vec<SharedStruct> {
         shared!("synthesis/search_push.glsl", "uniform Push", SearchPush,
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
             tolerance bound_rows first_least),
-        shared!("synthesis/quilt_template.comp", "uniform Push", TemplatePush,
-            output block_px overlap_px tileable columns rows first_block strips centre_r centre_g centre_b),
-        shared!("synthesis/quilt_template.comp", "struct Strip", StripData,
+        shared!("synthesis/quilt_aim.comp", "uniform Push", AimPush,
+            output sample_height block_px overlap_px tileable columns rows first_block strips first_least centre_r
+            centre_g centre_b),
+        shared!("synthesis/quilt_aim.comp", "struct Strip", StripData,
             x y width height left first directions margin step),
         shared!("synthesis/quilt_bound.comp", "uniform Push", BoundPush,
             position_columns position_rows first_slot bound_rows tolerance first_least),
@@ -253,7 +254,6 @@ impl QuiltStages {
         let pruned = self.prunes(&self.context, u64::MAX);
         if pruned {
             self.pipeline(&QUILT_PLACE, &[1, 1])?;
-            self.pipeline(&QUILT_AIM, &[chunk(params)])?;
             self.pipeline(&QUILT_COMPARE, &[chunk(params)])?;
         } else {
             self.pipeline(&QUILT_PLACE, &[0, self.search_parts])?;
@@ -339,7 +339,8 @@ impl Targets<'_> {
 
     /// `minima` are those of a group, `tile_bounds` those of a pruned search.
     pub fn place(&self, context: &Context, minima: u32, tile_bounds: Option<&Image>) -> Result<Stage> {
-        let bounds = tile_bounds.unwrap_or(self.sample.image());
+        // After a full search there are none, but the binding must have an image that is used as they are.
+        let bounds = tile_bounds.unwrap_or(self.canvas);
         let images = [self.sample.image().into(), self.canvas.into(), self.source.into(), bounds.into()];
         let pipeline = self.stages.pipeline(&QUILT_PLACE, &[u32::from(tile_bounds.is_some()), minima])?;
         Stage::new(context, pipeline, &[&images[..], &self.buffers()].concat())
