@@ -18,7 +18,7 @@ mod textures;
 mod timing;
 
 use impasto::gpu::{Context, ContextOptions, Runner};
-use quilting::{Job, Sizes};
+use quilting::{Effort, Job};
 use std::error::Error;
 use std::path::PathBuf;
 use textures::TEXTURES;
@@ -76,13 +76,13 @@ fn main() -> Result {
 
 fn run(bench: &mut Bench) -> Result {
     let (all, some) = (bench.rounds, bench.rounds.div_ceil(3));
-    // The plain CPU search takes minutes for the large ones, and the full search seconds.
-    let small = Sizes { side: 192, to: 512, rounds: all, full_rounds: all, plain_cpu: true };
-    let large = Sizes { side: 256, to: 1024, rounds: some, full_rounds: 1, plain_cpu: false };
-    for sizes in [small, large] {
-        if bench.wants_any(&["quilt", "counts", "process"]) || (bench.wants("cpu") && sizes.plain_cpu) {
+    // For the large ones a full search takes seconds, and the plain one on the CPU minutes.
+    let small = Effort { rounds: all, full_rounds: all, plain_cpu: true };
+    let large = Effort { rounds: some, full_rounds: 1, plain_cpu: false };
+    for (side, to, effort) in [(192, 512, small), (256, 1024, large)] {
+        if bench.wants_any(&["quilt", "counts", "process"]) || (bench.wants("cpu") && effort.plain_cpu) {
             for (name, texture) in TEXTURES {
-                Job { name, texels: texture(sizes.side as i32), sizes }.run(bench)?;
+                Job { name, texels: texture(side as i32), side, to }.run(bench, effort)?;
             }
         }
     }

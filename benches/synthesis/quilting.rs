@@ -9,23 +9,22 @@ use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::{Pruning, Quilt, QuiltStages, SampleTexels};
 use std::sync::Arc;
 
-/// Sides of a sample and of what is made of it, and how much to measure.
-#[derive(Clone, Copy)]
-pub struct Sizes {
-    pub side: u32,
-    pub to: u32,
-    pub rounds: usize,
-    /// Without pruning.
-    pub full_rounds: usize,
-    /// Whether the plain CPU search is to take part.
-    pub plain_cpu: bool,
-}
-
-/// Quilting of one texture.
+/// Quilting of one texture, `side` pixels wide and high, to `to` pixels wide and high.
 pub struct Job {
     pub name: &'static str,
     pub texels: Texels,
-    pub sizes: Sizes,
+    pub side: u32,
+    pub to: u32,
+}
+
+/// How much to measure.
+#[derive(Clone, Copy)]
+pub struct Effort {
+    pub rounds: usize,
+    /// Without pruning.
+    pub full_rounds: usize,
+    /// Whether the plain CPU search may take part.
+    pub plain_cpu: bool,
 }
 
 fn params() -> QuiltParams {
@@ -36,7 +35,7 @@ impl Job {
     /// All that is done once for a sample and an output size, but for compiling the stages.
     fn prepare(&self, context: &Context, runner: &mut Runner, stages: &Arc<QuiltStages>) -> Result<Quilt> {
         let mut uploads = Uploads::default();
-        let Sizes { side, to, .. } = self.sizes;
+        let Job { side, to, .. } = *self;
         let sample = SampleTexels::new(context, &mut uploads, &self.texels, (side, side))?;
         let quilt = Quilt::new(context, &mut uploads, stages, &sample, (to, to), &params(), None)?;
         runner.run(|recorder| {
@@ -57,8 +56,8 @@ impl Job {
     }
 
     /// What is asked for of this job.
-    pub fn run(&self, bench: &mut Bench) -> Result {
-        let Job { name, sizes: Sizes { side, to, rounds, full_rounds, plain_cpu }, .. } = *self;
+    pub fn run(&self, bench: &mut Bench, effort: Effort) -> Result {
+        let Job { name, side, to, .. } = *self;
         println!("\nquilt {name} {side}x{side} -> {to}x{to}, block 32, overlap 5");
         let stages = QuiltStages::with_pruning(&bench.context, Pruning::On)?;
         if bench.wants("quilt") || bench.wants("counts") {
@@ -72,8 +71,8 @@ impl Job {
                 let counts = counts.unwrap_or_else(|| Counts::of_full_search(&quilt, &params(), side));
                 drop(quilt);
                 let full = QuiltStages::with_pruning(&bench.context, Pruning::Off)?;
-                let pruned = self.synthesis(bench, "pruned", &stages, &counts, rounds)?;
-                if pruned.bytes != self.synthesis(bench, "full", &full, &counts, full_rounds)?.bytes {
+                let pruned = self.synthesis(bench, "pruned", &stages, &counts, effort.rounds)?;
+                if pruned.bytes != self.synthesis(bench, "full", &full, &counts, effort.full_rounds)?.bytes {
                     return Err(format!("{name}: a full search gives other bytes than a pruned one").into());
                 }
                 println!("  the full search gave the bytes of the pruned one");
@@ -83,9 +82,9 @@ impl Job {
             let (sample, out) = (bench.folder.join(format!("{name}.png")), bench.folder.join("out.png"));
             image::RgbaImage::from_raw(side, side, self.texels.concat()).ok_or("a texture")?.save(&sample)?;
             let (sample, out) = (sample.to_string_lossy(), out.to_string_lossy());
-            process(rounds, &["quilt", &sample, "--size", &format!("{to}x{to}"), "--overlap", "5", "-o", &out])?;
+            process(effort.rounds, &["quilt", &sample, "--size", &format!("{to}x{to}"), "--overlap", "5", "-o", &out])?;
         }
-        if bench.wants("cpu") && plain_cpu {
+        if bench.wants("cpu") && effort.plain_cpu {
             plain_cpu::report(&self.texels, side, to, &params())?;
         }
         Ok(())
@@ -134,17 +133,17 @@ fn synthesise(runner: &mut Runner, quilt: &Quilt, count: usize) -> Result<Measur
 
 /// How the cost of a pruned quilting grows with the number of blocks, and with the number of positions.
 pub fn curves(bench: &mut Bench) -> Result {
+    const ROUNDS: usize = 3;
     let stages = QuiltStages::with_pruning(&bench.context, Pruning::On)?;
     let mut curve = |what: &str, sizes: &[(u32, u32)], x: fn(&Counts) -> u64| -> Result {
-        println!("\ncost by number of {what}: brush, block 32, overlap 5, pruned; median / p95 of 3 rounds");
-        println!("| sample | output | positions | blocks | synthesis | preparation | synthesis, of {what}: each |");
+        println!("\ncost by number of {what}: brush, block 32, overlap 5, pruned; median / p95 of {ROUNDS} rounds");
+        println!("| sample | output | positions | blocks | synthesis | preparation | synthesis / {what} |");
         println!("|---|---|---|---|---|---|---|");
         let (mut synthesis, mut both) = (Vec::new(), Vec::new());
         for &(side, to) in sizes {
-            let sizes = Sizes { side, to, rounds: 3, full_rounds: 0, plain_cpu: false };
-            let job = Job { name: "brush", texels: brush(side as i32), sizes };
-            let (quilt, preparation) = job.preparation(bench, &stages, sizes.rounds)?;
-            let wall = synthesise(&mut bench.runner, &quilt, sizes.rounds)?.wall;
+            let job = Job { name: "brush", texels: brush(side as i32), side, to };
+            let (quilt, preparation) = job.preparation(bench, &stages, ROUNDS)?;
+            let wall = synthesise(&mut bench.runner, &quilt, ROUNDS)?.wall;
             let counts = Counts::of_full_search(&quilt, &params(), side);
             let (all, time) = (x(&counts) as f64, wall.median());
             println!(
