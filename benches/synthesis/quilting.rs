@@ -101,8 +101,9 @@ impl Job {
         let (quilt, preparation) = self.preparation(bench, stages, count)?;
         let measured = synthesise(&mut bench.runner, &quilt, count)?;
         println!("  {name} search: synthesis {}; preparation {}", measured.wall.text(), preparation.short());
-        for &(stage, seconds) in measured.stages.iter().filter(|(stage, _)| stage.starts_with("quilt_")) {
-            println!("    {stage:15} {:9.3} ms{}", 1e3 * seconds, rate(&bench.arithmetic, stage, seconds, counts));
+        for (stage, spread) in measured.stages.iter().filter(|(stage, _)| stage.starts_with("quilt_")) {
+            let rate = rate(&bench.arithmetic, stage, spread.median(), counts);
+            println!("    {stage:15} {:>22}{rate}", spread.short());
         }
         Ok(measured)
     }

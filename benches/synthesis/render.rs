@@ -91,8 +91,8 @@ fn frame(
         Ok(())
     })?;
     println!("  {name} search: frame with its guide {}", measured.wall.text());
-    for (stage, seconds) in &measured.stages {
-        println!("    {stage:15} {:9.3} ms", 1e3 * seconds);
+    for (stage, spread) in &measured.stages {
+        println!("    {stage:15} {:>22}", spread.short());
     }
     Ok(measured)
 }

@@ -1,4 +1,4 @@
-//! How time is taken: rounds after a warm-up, their median and 95th percentile, and what the stages' share is.
+//! How time is taken: rounds after a warm-up, their median and 95th percentile, and the device's ceilings beside them.
 
 use crate::Result;
 use impasto::gpu::ceilings::{measure as measure_ceilings, Effort, What};
@@ -55,10 +55,34 @@ pub fn take_rounds(rounds: usize, mut job: impl FnMut() -> Result) -> Result<Spr
 /// Rounds of work on the GPU.
 pub struct Measured {
     pub wall: Spread,
-    /// Names of stages with their seconds in a round, by the GPU's clock; none where the queue has no timestamps.
-    pub stages: Vec<(&'static str, f64)>,
+    /// Stages with their times in each round, by the GPU's clock; none where the queue has no timestamps.
+    pub stages: Vec<(&'static str, Spread)>,
     /// What stood in the images after each round.
     pub bytes: Vec<Vec<u8>>,
+}
+
+/// Seconds of rounds so far, and of their stages.
+#[derive(Default)]
+struct Rounds {
+    seconds: Vec<f64>,
+    stages: Vec<(&'static str, Vec<f64>)>,
+}
+
+impl Rounds {
+    fn take(&mut self, runner: &mut Runner, mut job: impl FnMut(&mut Runner) -> Result) -> Result {
+        runner.take_times();
+        let start = Instant::now();
+        job(runner)?;
+        self.seconds.push(start.elapsed().as_secs_f64());
+        for time in runner.take_times() {
+            let seconds = time.total_ns as f64 / 1e9;
+            match self.stages.iter_mut().find(|(name, _)| *name == time.name) {
+                Some((_, all)) => all.push(seconds),
+                None => self.stages.push((time.name, vec![seconds])),
+            }
+        }
+        Ok(())
+    }
 }
 
 fn read(runner: &mut Runner, images: &[&Image]) -> Result<Vec<Vec<u8>>> {
@@ -72,33 +96,24 @@ pub fn measure(
     images: &[&Image],
     mut job: impl FnMut(&mut Runner) -> Result,
 ) -> Result<Measured> {
-    runner.take_times();
-    let mut seconds = Vec::new();
     let start = Instant::now();
-    job(runner)?;
-    let first = start.elapsed();
+    let mut done = Rounds::default();
+    done.take(runner, &mut job)?;
     let bytes = read(runner, images)?;
-    if first > LONG {
-        seconds.push(first.as_secs_f64());
-    } else {
+    if done.seconds.iter().all(|seconds| *seconds < LONG.as_secs_f64()) {
+        done = Rounds::default();
         while start.elapsed() < WARM_UP {
             job(runner)?;
         }
-        runner.take_times();
     }
-    while seconds.len() < rounds {
-        let start = Instant::now();
-        job(runner)?;
-        seconds.push(start.elapsed().as_secs_f64());
+    while done.seconds.len() < rounds {
+        done.take(runner, &mut job)?;
         if bytes != read(runner, images)? {
             return Err("a round gave other bytes than the first".into());
         }
     }
-    let each = |ns: u64| ns as f64 / 1e9 / rounds as f64;
-    // Reading back is not the job's.
-    let times = runner.take_times().into_iter().filter(|time| time.name != "readback");
-    let stages = times.map(|time| (time.name, each(time.total_ns))).collect();
-    Ok(Measured { wall: Spread::new(seconds), stages, bytes })
+    let stages = done.stages.into_iter().map(|(name, seconds)| (name, Spread::new(seconds))).collect();
+    Ok(Measured { wall: Spread::new(done.seconds), stages, bytes })
 }
 
 /// The program as a process, its first run (which fills the driver's cache of shaders) left out.
@@ -144,6 +159,6 @@ impl Arithmetic {
     /// The rate of so many operations in so many seconds, and its share of the most.
     pub fn share(&self, operations: f64, seconds: f64) -> String {
         let rate = operations / seconds;
-        format!("{:8.2} Gop/s, {:5.1} % of Float", rate / 1e9, 100.0 * rate / self.0)
+        format!(", {:.2} Gop/s, {:.1} % of Float", rate / 1e9, 100.0 * rate / self.0)
     }
 }
