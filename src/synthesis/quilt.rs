@@ -30,6 +30,8 @@ const GUIDE_GROUPS_X: u32 = 32_768;
 pub(super) const ERRORS_BYTES: u64 = 64 << 20;
 /// What placing a block costs, measured in pixel comparisons of the search on lavapipe (0.13 ms at 2 G/s).
 const PLACE_COMPARISONS: u64 = 250_000;
+/// A pruned search costs about so many times less.
+const PRUNED_SHARE: u64 = 4;
 /// Pixel comparisons after which a step of the search is cut, so that a submission can be kept short.
 const STEP_COMPARISONS: u64 = 200_000_000;
 
@@ -231,7 +233,12 @@ impl Quilt {
         let waves = Waves {
             search,
             place,
-            steps: steps(params, &layout.waves, groups_per_block, batch, if pruned { u32::MAX } else { most_groups }),
+            steps: if pruned {
+                let cost = group_comparisons(params) / PRUNED_SHARE;
+                steps(&layout.waves, (groups_per_block, cost), batch, None)
+            } else {
+                steps(&layout.waves, (groups_per_block, group_comparisons(params)), batch, Some(most_groups))
+            },
         };
         Ok(Quilt {
             stages: stages.clone(),
@@ -472,9 +479,9 @@ fn group_comparisons(params: &QuiltParams) -> u64 {
     u64::from(GROUP * TILE) * overlap_px
 }
 
-/// The steps of waves with their cost in pixel comparisons.
-fn steps(params: &QuiltParams, waves: &[Vec<u32>], groups: u32, batch: u32, most_groups: u32) -> Vec<(Step, u64)> {
-    let group_cost = group_comparisons(params);
+/// The steps of waves with their cost in pixel comparisons. A search of all groups for `batch` blocks is one step, unless
+/// it can be cut: then a step has at most `most_groups`.
+fn steps(waves: &[Vec<u32>], (groups, group_cost): (u32, u64), batch: u32, most_groups: Option<u32>) -> Vec<(Step, u64)> {
     let mut steps = Vec::new();
     let mut first = 0;
     for wave in waves {
@@ -482,7 +489,8 @@ fn steps(params: &QuiltParams, waves: &[Vec<u32>], groups: u32, batch: u32, most
         while first < end {
             let blocks = first..end.min(first + batch);
             let cost = group_cost * blocks.len() as u64;
-            let most = (STEP_COMPARISONS / cost).clamp(1, u64::from(most_groups)) as u32;
+            let enough = |most: u32| (STEP_COMPARISONS / cost).clamp(1, u64::from(most)) as u32;
+            let most = most_groups.map_or(groups, enough);
             let mut group = 0;
             while group < groups {
                 let range = group..groups.min(group + most);
