@@ -83,7 +83,7 @@ fn by_runner(guided: bool) -> Vec<u8> {
 }
 
 fn quilting(context: &Context, uploads: &mut Uploads, guide: Option<QuiltGuide>) -> Quilt {
-    let stages = QuiltStages::new(context).expect("stages");
+    let stages = QuiltStages::new(context);
     let texels = SampleTexels::new(context, uploads, &sample(), SAMPLE).expect("sample");
     Quilt::new(context, uploads, &stages, &texels, OUTPUT, &PARAMS, guide).expect("quilt")
 }
@@ -303,7 +303,7 @@ impl RealTime {
         let trajectory = Trajectory::from_colors(vec![[0.1, 0.2, 0.3], [0.9, 0.8, 0.6]]).expect("a trajectory");
         let paints = [Paint { texture: &texture, trajectory: &trajectory }];
         let quilt = QuiltParams { block_px: 32, overlap_px: 4, ..PARAMS };
-        let stages = QuiltStages::new(context).expect("stages");
+        let stages = QuiltStages::new(context);
         let guides = GuidePass::new(context, &mut uploads, mesh, OUTPUT).expect("guides");
         let motion = MotionPass::new(context, &guides).expect("motion");
         let params = ObjectParams::default();
@@ -454,7 +454,7 @@ impl Board {
         guides: GuideImages,
         motion: &Image,
     ) -> ImageTechnique {
-        let stages = QuiltStages::new(context).expect("stages");
+        let stages = QuiltStages::new(context);
         let paints = [Paint { texture: &self.texture, trajectory: &self.trajectory }];
         let params = ImageParams { quilt: PARAMS, ..ImageParams::default() };
         let technique = ImageTechnique::new(context, uploads, &stages, &guides, &paints, &[0], &params);

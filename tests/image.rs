@@ -150,7 +150,7 @@ fn pictures_equal_the_golden_ones() {
         assert_golden(&format!("guide_{model}"), &shade, size, 0.005);
         let (texture, trajectory) = strip("strip_red_yellow.png");
         let mut uploads = Uploads::default();
-        let stages = QuiltStages::new(&gpu.context).expect("stages");
+        let stages = QuiltStages::new(&gpu.context);
         let paints = [Paint { texture: &texture, trajectory: &trajectory }];
         let objects = vec![0; mesh.objects().len()];
         let quilt = QuiltParams { block_px: 16, overlap_px: 4, ..Default::default() };
@@ -200,7 +200,7 @@ fn wrong_use_is_told() {
     let (pass, _) = guides(&gpu, &mut runner, &mesh, &Moment::at_rest(camera, Lights::default()), (40, 40));
     let (texture, trajectory) = strip("strip_dark_red.png");
     let paint = Paint { texture: &texture, trajectory: &trajectory };
-    let stages = QuiltStages::new(&gpu.context).expect("stages");
+    let stages = QuiltStages::new(&gpu.context);
     let prepare = |paints: &[Paint<'_>], objects: &[u32], params: ImageParams| {
         let mut uploads = Uploads::default();
         ImageTechnique::new(&gpu.context, &mut uploads, &stages, &pass, paints, objects, &params)
@@ -304,7 +304,7 @@ fn image_technique_equals_the_oracle() {
         let range = if levels { ShadeRange::of_guide(&guide.shade, &guide.id) } else { ShadeRange::default() };
         let params = ImageParams { quilt, k: Some(1.5), range, previous: None };
         let mut uploads = Uploads::default();
-        let stages = QuiltStages::new(&gpu.context).expect("stages");
+        let stages = QuiltStages::new(&gpu.context);
         let mut technique = ImageTechnique::new(&gpu.context, &mut uploads, &stages, &pass, &paints, &[0, 1], &params)
             .expect("a technique");
         runner
@@ -380,7 +380,7 @@ fn a_frame_between_two_textures_equals_the_oracle() {
     };
     let mut uploads = Uploads::default();
     let guides = GuidePass::new(&gpu.context, &mut uploads, &mesh, size).expect("a guide pass");
-    let stages = QuiltStages::new(&gpu.context).expect("stages");
+    let stages = QuiltStages::new(&gpu.context);
     let quilt = QuiltParams { block_px: 16, overlap_px: 4, ..Default::default() };
     let params = ImageParams { quilt, previous: Some(PreviousWeight(1.0)), ..Default::default() };
     let technique = ImageTechnique::new(&gpu.context, &mut uploads, &stages, &guides, &paints, &[0, 0], &params)
@@ -464,7 +464,7 @@ fn real_models_and_paint_give_the_oracles_frame() {
         let (pass, guide) = guides(&gpu, &mut runner, &mesh, &Moment::at_rest(camera, Lights::default()), size);
         let params = ImageParams::default();
         let mut uploads = Uploads::default();
-        let stages = QuiltStages::new(&gpu.context).expect("stages");
+        let stages = QuiltStages::new(&gpu.context);
         let objects = vec![0; mesh.objects().len()];
         let technique =
             ImageTechnique::new(&gpu.context, &mut uploads, &stages, &pass, &paints, &objects, &params).expect("new");

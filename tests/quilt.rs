@@ -118,7 +118,7 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let gpu = Validated::new();
-        let stages = QuiltStages::new(&gpu.context).expect("stages");
+        let stages = QuiltStages::new(&gpu.context);
         Bench { runner: gpu.runner(), stages, parted: Vec::new(), gpu }
     }
 
@@ -130,7 +130,7 @@ impl Bench {
     }
 
     fn parts(&self, parts: u32) -> Arc<QuiltStages> {
-        QuiltStages::with_search_parts(&self.gpu.context, parts).expect("stages")
+        QuiltStages::with_search_parts(&self.gpu.context, parts)
     }
 
     fn run(&mut self, case: &Case<'_>, comparisons: u64) -> Quilted {

@@ -59,7 +59,7 @@ impl Job {
     pub fn run(&self, bench: &mut Bench, effort: Effort) -> Result {
         let Job { name, side, to, .. } = *self;
         println!("\nquilt {name} {side}x{side} -> {to}x{to}, block 32, overlap 5");
-        let stages = QuiltStages::with_pruning(&bench.context, Pruning::On)?;
+        let stages = QuiltStages::with_pruning(&bench.context, Pruning::On);
         if bench.wants("quilt") || bench.wants("counts") {
             let quilt = self.prepare(&bench.context, &mut bench.runner, &stages)?;
             let counts = Counts::of_pruned_search(&mut bench.runner, &quilt, &params(), side)?;
@@ -70,7 +70,7 @@ impl Job {
             if bench.wants("quilt") {
                 let counts = counts.unwrap_or_else(|| Counts::of_full_search(&quilt, &params(), side));
                 drop(quilt);
-                let full = QuiltStages::with_pruning(&bench.context, Pruning::Off)?;
+                let full = QuiltStages::with_pruning(&bench.context, Pruning::Off);
                 let pruned = self.synthesis(bench, "pruned", &stages, &counts, effort.rounds)?;
                 if pruned.bytes != self.synthesis(bench, "full", &full, &counts, effort.full_rounds)?.bytes {
                     return Err(format!("{name}: a full search gives other bytes than a pruned one").into());
@@ -135,7 +135,7 @@ fn synthesise(runner: &mut Runner, quilt: &Quilt, count: usize) -> Result<Measur
 /// How the cost of a pruned quilting grows with the number of blocks, and with the number of positions.
 pub fn curves(bench: &mut Bench) -> Result {
     const ROUNDS: usize = 3;
-    let stages = QuiltStages::with_pruning(&bench.context, Pruning::On)?;
+    let stages = QuiltStages::with_pruning(&bench.context, Pruning::On);
     let mut curve = |what: &str, sizes: &[(u32, u32)], x: fn(&Counts) -> u64| -> Result {
         println!("\ncost by number of {what}: brush, block 32, overlap 5, pruned; median / p95 of {ROUNDS} rounds");
         println!("| sample | output | positions | blocks | synthesis | preparation | synthesis / {what} |");

@@ -72,7 +72,7 @@ fn frame(
     let moment = Moment::at_rest(Camera::framing(mesh, &Framing::default(), 1.0)?, Lights::default());
     let mut uploads = Uploads::default();
     let guides = GuidePass::new(context, &mut uploads, mesh, SIZE)?;
-    let stages = QuiltStages::with_pruning(context, pruning)?;
+    let stages = QuiltStages::with_pruning(context, pruning);
     let objects = vec![0; mesh.objects().len()];
     let params = ImageParams { k, ..Default::default() };
     let technique = ImageTechnique::new(context, &mut uploads, &stages, &guides, &[paint], &objects, &params)?;

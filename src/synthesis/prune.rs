@@ -167,7 +167,11 @@ fn strips(params: &QuiltParams, layout: &Layout, windowed: bool) -> Vec<Strip> {
     let parts = |from: u32, least: u32| {
         let whole = if params.tileable { least } else { params.block_px };
         let split = !windowed && least >= from + SHORTEST_PX && whole >= least + SHORTEST_PX;
-        if split { vec![(from, least), (least, whole)] } else { vec![(from, whole)] }
+        if split {
+            vec![(from, least), (least, whole)]
+        } else {
+            vec![(from, whole)]
+        }
     };
     let least = |side: fn(&Placement) -> u32| layout.placements.iter().map(side).min().unwrap_or(params.block_px);
     let strip = |(begin, end): (u32, u32), left, shorter| {
@@ -284,7 +288,8 @@ impl Prune {
             stages.pipeline(&QUILT_BOUND, &constants).map(|stage| (blocks, stage))
         };
         let (bound, packed) = thread::scope(|scope| {
-            let compiling = scope.spawn(|| on_threads(bounds(windowed, batch), bound).into_iter().collect::<Result<Vec<_>>>());
+            let compiling =
+                scope.spawn(|| on_threads(bounds(windowed, batch), bound).into_iter().collect::<Result<Vec<_>>>());
             let pairs: Vec<_> = bases.iter().zip(&strips).collect();
             let packed = on_threads(&pairs, |(basis, strip)| {
                 basis.packed(sample.texels(), sample.size(), (strip.x, strip.y), positions.into())
@@ -299,7 +304,8 @@ impl Prune {
         };
         let all: Vec<[u32; 4]> = packed.iter().flat_map(|packed| &packed.texels).copied().collect();
         let size = (positions[0], positions[1] * texels);
-        let coordinates = picture("quilt coordinates", size, vk::Format::R32G32B32A32_UINT, bytemuck::cast_slice(&all))?;
+        let coordinates =
+            picture("quilt coordinates", size, vk::Format::R32G32B32A32_UINT, bytemuck::cast_slice(&all))?;
         let (size, rows) = direction_rows(&bases, texels);
         let floats = vk::Format::R32G32B32A32_SFLOAT;
         let directions = picture("quilt directions", size, floats, bytemuck::cast_slice(&rows))?;

@@ -13,7 +13,8 @@
 use super::params::{BlockRecord, Layout, QuiltParams};
 use super::prune::Prune;
 use super::quilt_stages::{
-    BlockData, GuidePush, MatchPush, PlacePush, Rows, SearchPush, Stage, Targets, GROUP, QUILT_GUIDE, STATE_PLACED, TILE,
+    BlockData, GuidePush, MatchPush, PlacePush, Rows, SearchPush, Stage, Targets, GROUP, QUILT_GUIDE, STATE_PLACED,
+    TILE,
 };
 use crate::gpu::{Buffer, BufferKind, Context, Image, ImageDesc, Recorder, Runner, Uploads};
 use crate::{Error, Result};
@@ -280,7 +281,11 @@ impl Quilt {
     /// Which tiles of eight positions were compared for the last step that was recorded, if the search is pruned:
     /// R32_UINT, 2^32 - 1 for those that were not, 1,024 tiles to a row, whole rows for each block of the step.
     pub fn tile_bounds(&self) -> Option<&Image> {
-        if let Search::Pruned(prune) = &self.waves.search { Some(prune.tile_bounds()) } else { None }
+        if let Search::Pruned(prune) = &self.waves.search {
+            Some(prune.tile_bounds())
+        } else {
+            None
+        }
     }
 
     /// The grid of blocks.
@@ -481,7 +486,12 @@ fn group_comparisons(params: &QuiltParams) -> u64 {
 
 /// The steps of waves with their cost in pixel comparisons. A search of all groups for `batch` blocks is one step, unless
 /// it can be cut: then a step has at most `most_groups`.
-fn steps(waves: &[Vec<u32>], (groups, group_cost): (u32, u64), batch: u32, most_groups: Option<u32>) -> Vec<(Step, u64)> {
+fn steps(
+    waves: &[Vec<u32>],
+    (groups, group_cost): (u32, u64),
+    batch: u32,
+    most_groups: Option<u32>,
+) -> Vec<(Step, u64)> {
     let mut steps = Vec::new();
     let mut first = 0;
     for wave in waves {

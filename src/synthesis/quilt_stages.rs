@@ -7,6 +7,7 @@ use super::repair::FitPush;
 use super::sample::SampleTexels;
 use crate::gpu::{Access, BindingKind, BindingSet, Bound, Buffer, ComputePipeline, Context, DeviceKind, Image, Shader};
 use crate::Result;
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
@@ -214,7 +215,7 @@ pub struct QuiltStages {
     pruning: Pruning,
     /// Invocations of the full search that share a tile; so many workgroups, and minima, a group of positions has.
     search_parts: u32,
-    compiled: Mutex<Vec<(&'static str, Vec<u32>, Arc<ComputePipeline>)>>,
+    compiled: Mutex<HashMap<(&'static str, Vec<u32>), Arc<ComputePipeline>>>,
 }
 
 impl QuiltStages {
@@ -265,14 +266,13 @@ impl QuiltStages {
     /// The pipeline of a shader with these specialisation constants.
     pub(super) fn pipeline(&self, shader: &Shader, constants: &[u32]) -> Result<Arc<ComputePipeline>> {
         let compiled = || self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
-        let is_it = |(name, of, _): &&(&str, Vec<u32>, _)| *name == shader.name && of == constants;
-        if let Some((_, _, pipeline)) = compiled().iter().find(is_it) {
+        let key = (shader.name, constants.to_vec());
+        if let Some(pipeline) = compiled().get(&key) {
             return Ok(pipeline.clone());
         }
         // Not under the lock, so that threads compile side by side.
         let pipeline = Arc::new(ComputePipeline::specialized(&self.context, shader, constants)?);
-        compiled().push((shader.name, constants.to_vec(), pipeline.clone()));
-        Ok(pipeline)
+        Ok(compiled().entry(key).or_insert(pipeline).clone())
     }
 
     /// Whether to prune a search of so many pixel comparisons.

@@ -106,7 +106,7 @@ impl StripBasis {
         let held = held.into_iter().map(|held| if square > 0.0 { held / square } else { 1.0 }).collect();
         let weight = |component: usize, tap: usize| found.get(component).map_or(0.0, |direction| direction[tap]);
         let four = |layer: usize, tap: usize| [0, 1, 2, 3].map(|k| weight(4 * layer + k, tap) as f32);
-        let layers = (0..(components + 3) / 4).map(|l| (0..taps.len()).map(|t| four(l, t)).collect()).collect();
+        let layers = (0..components.div_ceil(4)).map(|l| (0..taps.len()).map(|t| four(l, t)).collect()).collect();
 
         let dimension = shape.dimension();
         let mut weights = vec![0.0; components * dimension];
@@ -127,7 +127,10 @@ impl StripBasis {
 
     /// How much of the squared lengths of strips is left out by the first `components` directions, as a share.
     pub fn left_out(&self, components: usize) -> f64 {
-        1.0 - components.checked_sub(1).and_then(|last| self.held.get(last).or(self.held.last())).map_or(0.0, |held| *held)
+        1.0 - components
+            .checked_sub(1)
+            .and_then(|last| self.held.get(last).or(self.held.last()))
+            .map_or(0.0, |held| *held)
     }
 
     /// Keeps the first `components` directions.
@@ -136,7 +139,7 @@ impl StripBasis {
             self.components = components;
             self.weights.truncate(components * self.shape.dimension());
             self.margin = margin(self.shape, components);
-            self.layers.truncate((components + 3) / 4);
+            self.layers.truncate(components.div_ceil(4));
             let kept = components % 4;
             if let Some(last) = self.layers.last_mut() {
                 last.iter_mut().for_each(|four| four[kept..].fill(0.0));
@@ -232,7 +235,8 @@ impl Packed {
         let mut texels = Vec::with_capacity(coordinates.len() / 2);
         for layers in coordinates.chunks_exact(2 * positions.max(1)) {
             let (first, second) = layers.split_at(positions);
-            let four = |a: &[f32; 4], b: &[f32; 4]| [pair(a[0], a[1]), pair(a[2], a[3]), pair(b[0], b[1]), pair(b[2], b[3])];
+            let four =
+                |a: &[f32; 4], b: &[f32; 4]| [pair(a[0], a[1]), pair(a[2], a[3]), pair(b[0], b[1]), pair(b[2], b[3])];
             texels.extend(first.iter().zip(second).map(|(a, b)| four(a, b)));
         }
         let begin = texels.len().saturating_sub(positions);
@@ -434,7 +438,8 @@ fn some_strips(reduction: &Reduction, taps: &[Tap], texels: &[[u8; 4]], size: (u
         position / columns * picture.width + position % columns
     };
     let places: Vec<usize> = (0..STRIPS).map(place).collect();
-    let square = |&place: &usize| f64::from(picture.square(reduction.shape, (place % picture.width, place / picture.width)));
+    let square =
+        |&place: &usize| f64::from(picture.square(reduction.shape, (place % picture.width, place / picture.width)));
     let squares = places.iter().map(square).sum();
     let strips = Matrix::new(STRIPS, taps.len().next_multiple_of(4), |strip, tap| {
         picture.offsets.get(tap).map_or(0.0, |offset| picture.planes[offset + places[strip]])

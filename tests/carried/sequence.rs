@@ -91,7 +91,7 @@ impl<'a> Sequence<'a> {
         let guides = GuidePass::new(&gpu.context, &mut uploads, model.mesh, size).expect("a guide pass");
         let desc = ImageDesc::storage_2d(size.0, size.1, ash::vk::Format::R32_UINT);
         let motion = Image::new(&gpu.context, "motion", &desc).expect("a picture");
-        let stages = QuiltStages::new(&gpu.context).expect("stages");
+        let stages = QuiltStages::new(&gpu.context);
         let paints: Vec<Paint<'_>> = model.strips.iter().map(Strip::paint).collect();
         let mut technique =
             ImageTechnique::new(&gpu.context, &mut uploads, &stages, &guides, &paints, model.objects, params)

@@ -92,7 +92,7 @@ fn levels(
     seed: u32,
 ) -> LevelVolume {
     let mut uploads = Uploads::default();
-    let stages = QuiltStages::new(&gpu.context).expect("stages");
+    let stages = QuiltStages::new(&gpu.context);
     let volume = LevelVolume::new(&gpu.context, &mut uploads, &stages, paints, params).expect("levels");
     runner
         .run(|recorder| {
@@ -282,7 +282,7 @@ fn dependent_technique(
     params: &DependentParams,
 ) -> DependentTechnique {
     let mut uploads = Uploads::default();
-    let stages = QuiltStages::new(&gpu.context).expect("stages");
+    let stages = QuiltStages::new(&gpu.context);
     let technique = DependentTechnique::new(
         &gpu.context,
         &mut uploads,
@@ -314,7 +314,7 @@ fn wrong_use_is_told() {
     let (texture, trajectory) = strip("strip_dark_red.png");
     let paint = Paint { texture: &texture, trajectory: &trajectory };
     let mut uploads = Uploads::default();
-    let stages = QuiltStages::new(&gpu.context).expect("stages");
+    let stages = QuiltStages::new(&gpu.context);
     let mut prepare = |params: LevelParams| {
         let sources = [LevelSource::Strip(&texture)];
         LevelVolume::new(&gpu.context, &mut uploads, &stages, &sources, &params)
