@@ -101,7 +101,7 @@ fn one_byte_changed_is_noticed() {
         "technique/image_blend.comp",
         "technique/image_carry.frag",
     ];
-    assert_eq!(stale_after("synthesis/quilt_place.comp", |t| t.replacen('<', ">", 1)), quilting[2..3]);
+    assert_eq!(stale_after("synthesis/quilt_place.comp", |t| t.replacen('<', ">", 1)), ["synthesis/quilt_place.comp"]);
     assert_eq!(stale_after("synthesis/tile_mask.comp", |t| format!("{t}\n")), ["synthesis/tile_mask.comp"]);
     // An included file is part of every shader that includes it.
     assert_eq!(stale_after("synthesis/quilt.glsl", |t| t.replacen("TILE = 8", "TILE = 4", 1)), quilting);

@@ -215,8 +215,11 @@ pub struct QuiltStages {
     pruning: Pruning,
     /// Invocations of the full search that share a tile; so many workgroups, and minima, a group of positions has.
     search_parts: u32,
-    compiled: Mutex<HashMap<(&'static str, Vec<u32>), Arc<ComputePipeline>>>,
+    compiled: Mutex<HashMap<StageKey, Arc<ComputePipeline>>>,
 }
+
+/// A shader's name, and its specialisation constants.
+type StageKey = (&'static str, Vec<u32>);
 
 impl QuiltStages {
     /// For searches that are pruned where it pays.
