@@ -76,7 +76,8 @@ void main() {
     if (lane == 0) {
         painted = painted_fields(index);
         count = 0;
-        best = group_minima[push.first_least + slot];
+        // Workgroups of a block tell each other; whichever is first, what is known is a bound.
+        best = atomicMin(group_minima[push.first_least + slot], 0xffffffffu);
     }
     if (lane < SPAN) {
         least[lane] = 0xffffffffu;
@@ -96,6 +97,10 @@ void main() {
         if (mine.x != NO_BOUND) {
             atomicMin(best, compare(block, slot, mine.y, columns, tiles_x));
         }
+    }
+    barrier();
+    if (lane == 0) {
+        best = min(best, atomicMin(group_minima[push.first_least + slot], best));
     }
     barrier();
     uint limit = floatBitsToUint(bound_limit(best, push.tolerance));
