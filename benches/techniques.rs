@@ -1,10 +1,10 @@
 //! What a frame of each real-time technique costs, and what its preparation takes.
 //!
 //! `make bench` prints, for the 100,000-triangle skull where the sample data is at hand and the built-in head
-//! otherwise: the time of preparing, and for a 1024x1024 frame the CPU time of the whole process (both cores and the
-//! driver's threads, from /proc) and the wall time, beside the guide pass alone; then frames a second of a model that
-//! turns, by every technique, beside image-based synthesis of every frame anew. Nothing passes or fails by time; every
-//! round must give the bytes of the first.
+//! otherwise: the time of preparing, and for a 1024x1024 frame (or SIZE=1920x1080) the CPU time of the whole process
+//! (both cores and the driver's threads, from /proc), the time on the GPU and the wall time, beside the guide pass alone;
+//! then frames a second of a model that turns, by every technique, beside image-based synthesis of every frame anew.
+//! Nothing passes or fails by time; every round must give the bytes of the first.
 
 use impasto::gpu::{Context, ContextOptions, Image, Recorder, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
@@ -24,7 +24,6 @@ use std::time::Instant;
 
 type Result<T = ()> = std::result::Result<T, Box<dyn Error>>;
 
-const SIZE: (u32, u32) = (1024, 1024);
 /// Pixel comparisons in a submission, as the program has it.
 const PART: u64 = 400_000_000;
 /// Frames of a round: /proc counts in hundredths of a second.
@@ -51,15 +50,18 @@ fn frames(
     image: Option<&Image>,
     record: impl Fn(&mut Recorder<'_>) -> impasto::Result<()>,
 ) -> Result {
-    let (mut cpu, mut wall) = (Vec::new(), Vec::new());
+    let (mut cpu, mut gpu, mut wall) = (Vec::new(), Vec::new(), Vec::new());
     let mut first: Option<Vec<u8>> = None;
     for round in 0..=rounds {
+        runner.take_times();
         let (cpu_before, start) = (cpu_ms(), Instant::now());
         for _ in 0..FRAMES {
             runner.run(&record)?;
         }
         // The first round is to warm up.
         if round > 0 {
+            let ns: u64 = runner.take_times().iter().map(|time| time.total_ns).sum();
+            gpu.push(ns as f64 / 1e6 / f64::from(FRAMES));
             wall.push(start.elapsed().as_secs_f64() * 1e3 / f64::from(FRAMES));
             if let (Some(before), Some(after)) = (cpu_before, cpu_ms()) {
                 cpu.push((after - before) / f64::from(FRAMES));
@@ -73,11 +75,19 @@ fn frames(
         }
     }
     let cpu = if cpu.is_empty() { "unknown".to_owned() } else { median_and_p95(cpu) };
-    println!("  frame, {name:22} CPU {cpu}; wall {}", median_and_p95(wall));
+    println!("  frame, {name:22} CPU {cpu}; GPU {}; wall {}", median_and_p95(gpu), median_and_p95(wall));
     Ok(())
 }
 
+/// `SIZE=WIDTHxHEIGHT`, or 1024x1024.
+fn size_of_frames() -> Result<(u32, u32)> {
+    let Ok(text) = std::env::var("SIZE") else { return Ok((1024, 1024)) };
+    let (width, height) = text.split_once('x').ok_or("SIZE is not WIDTHxHEIGHT")?;
+    Ok((width.parse()?, height.parse()?))
+}
+
 fn main() -> Result {
+    let size = size_of_frames()?;
     let rounds: usize = std::env::var("ROUNDS").ok().and_then(|r| r.parse().ok()).unwrap_or(5);
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let data = std::env::var_os("IMPASTO_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
@@ -87,7 +97,8 @@ fn main() -> Result {
     let strip = PaintSample::load(root.join("assets/strip_green_yellow.png"))?;
     let trajectory = Trajectory::extract(&strip, &TrajectoryOptions::default())?;
     let texture = TextureDifference::extract(&strip, &trajectory);
-    let moment = Moment::at_rest(Camera::framing(&mesh, &Framing::default(), 1.0)?, Lights::default());
+    let moment =
+        Moment::at_rest(Camera::framing(&mesh, &Framing::default(), size.0 as f32 / size.1 as f32)?, Lights::default());
     let paints = [Paint { texture: &texture, trajectory: &trajectory }];
     let of_object = vec![0; mesh.objects().len()];
 
@@ -96,23 +107,25 @@ fn main() -> Result {
     println!("device: {} ({}), driver {:#x}", info.name, info.kind, info.driver_version);
     println!("cores: {}", std::thread::available_parallelism()?);
     let triangles = mesh.indices().len() / 3;
-    println!("{}, {triangles} triangles, {}x{}, strip 512x128", model.display(), SIZE.0, SIZE.1);
+    println!("{}, {triangles} triangles, {}x{}, strip 512x128", model.display(), size.0, size.1);
     let mut runner = Runner::new(&context)?;
     let mut uploads = Uploads::default();
     let stages = QuiltStages::new(&context);
-    let guides = GuidePass::new(&context, &mut uploads, &mesh, SIZE)?;
+    let level_params = LevelParams::default();
+    stages.compile(&level_params.quilt)?;
+    let guides = GuidePass::new(&context, &mut uploads, &mesh, size)?;
     let seconds = |start: Instant| start.elapsed().as_secs_f64();
 
     let start = Instant::now();
     let object =
-        ObjectTechnique::new(&context, &mut uploads, &mesh, SIZE, &paints, &of_object, &ObjectParams::default())?;
+        ObjectTechnique::new(&context, &mut uploads, &mesh, size, &paints, &of_object, &ObjectParams::default())?;
     println!("  preparing object-based: {:.3} s", seconds(start));
     let params = ObjectParams { keep_paint: false, ..Default::default() };
-    let lose = ObjectTechnique::new(&context, &mut uploads, &mesh, SIZE, &paints, &of_object, &params)?;
+    let lose = ObjectTechnique::new(&context, &mut uploads, &mesh, size, &paints, &of_object, &params)?;
 
     let start = Instant::now();
     let sources = [LevelSource::Strip(&texture)];
-    let levels = LevelVolume::new(&context, &mut uploads, &stages, &sources, &LevelParams::default())?;
+    let levels = LevelVolume::new(&context, &mut uploads, &stages, &sources, &level_params)?;
     let aligned = AlignedTechnique::new(&context, &mut uploads, &guides, levels, &[&trajectory], &of_object)?;
     runner.run(|recorder| {
         uploads.record(recorder);
@@ -138,7 +151,7 @@ fn main() -> Result {
         &moment.lights,
         &covered,
         512,
-        SIZE,
+        size,
         &paints,
         &of_object,
         &params,
@@ -177,7 +190,7 @@ fn main() -> Result {
     let mut wall = Vec::new();
     for _ in 0..20 * rounds {
         let start = Instant::now();
-        std::hint::black_box(screen_displacements(&mesh, moments, SIZE)?);
+        std::hint::black_box(screen_displacements(&mesh, moments, size)?);
         wall.push(seconds(start) * 1e3);
     }
     let vertices = mesh.positions().len();
@@ -200,7 +213,7 @@ fn main() -> Result {
         if fresh {
             offsets.fill([0.0; 2]);
         } else {
-            let ways = screen_displacements(&mesh, [&orbit[now - 1], &orbit[now]], SIZE)?;
+            let ways = screen_displacements(&mesh, [&orbit[now - 1], &orbit[now]], size)?;
             for (offset, way) in offsets.iter_mut().zip(ways) {
                 *offset = [0, 1].map(|axis| offset[axis] - f64::from(way[axis]));
             }
