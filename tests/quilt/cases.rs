@@ -1,6 +1,7 @@
 //! Quiltings of all kinds, each by every way to search.
 
 use crate::common::{data_dir, noise};
+use crate::pruned::strokes;
 use crate::{difference, params, random_guide, Bench, Case, Guide};
 use impasto::gpu::Uploads;
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
@@ -41,7 +42,7 @@ fn free_quilting_equals_the_oracle() {
     .into_iter()
     .enumerate()
     {
-        let sample = noise(size.0, size.1, i as u32 + 7);
+        let sample = if block_px > 30 { strokes(size) } else { noise(size.0, size.1, i as u32 + 7) };
         let params = params(block_px, overlap_px, tolerance, 11 + i as u32, tileable);
         let case = Case { sample: &sample, size, output, params, guide: None };
         bench.check(&case, &format!("case {i}"));
@@ -68,7 +69,7 @@ fn every_chunk_of_the_search_equals_the_oracle() {
     for (block_px, overlap_px) in [(16, 4), (32, 8), (15, 5), (20, 5), (18, 6), (30, 6), (7, 2), (23, 7), (64, 31)] {
         let size = (61.max(block_px), 45);
         let size = if block_px > 45 { (70, 66) } else { size };
-        let own = noise(size.0, size.1, 5);
+        let own = if block_px > 45 { strokes(size) } else { noise(size.0, size.1, 5) };
         let sample = if size == (61, 45) { &sample } else { &own };
         for tileable in [false, true] {
             let output = (2 * block_px + 9, 2 * block_px + 5);
