@@ -36,6 +36,8 @@ layout(push_constant) uniform Push {
     uint position_columns, position_rows;
     // Where blocks begin among templates, least errors and `tile_bounds`; windowed ones go on by gl_WorkGroupID.z.
     uint first_slot;
+    // How many blocks the wave has; in the last chunk there may be fewer than BLOCKS left.
+    uint slots;
     uint bound_rows;
     // In 1/10,000.
     uint tolerance;
@@ -58,11 +60,14 @@ vec2 unpacked(uint word) {
 void main() {
     uint first_slot = push.first_slot + (WINDOWED ? gl_WorkGroupID.z : 0);
     for (uint i = gl_LocalInvocationIndex; i < (2 * TEXELS + 1) * BLOCKS; i += 128) {
-        chunk[i] = imageLoad(templates, ivec2(first_slot + i % BLOCKS, i / BLOCKS));
+        chunk[i] = imageLoad(templates, ivec2(min(first_slot + i % BLOCKS, push.slots - 1), i / BLOCKS));
     }
     if (gl_LocalInvocationIndex < BLOCKS) {
-        uint least = push.first_least + first_slot + gl_LocalInvocationIndex;
-        limits[gl_LocalInvocationIndex] = bound_limit(group_minima[least], push.tolerance);
+        uint slot = first_slot + gl_LocalInvocationIndex;
+        // A block that there is not keeps no tile: its bounds would stay for a later wave.
+        bool exists = slot < push.slots;
+        limits[gl_LocalInvocationIndex] =
+            exists ? bound_limit(group_minima[push.first_least + slot], push.tolerance) : -3.0e38;
     }
     barrier();
     const uint headers = 2 * TEXELS * BLOCKS;

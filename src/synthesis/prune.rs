@@ -102,6 +102,7 @@ pub(super) struct BoundPush {
     pub position_columns: u32,
     pub position_rows: u32,
     pub first_slot: u32,
+    pub slots: u32,
     pub bound_rows: u32,
     pub tolerance: u32,
     pub first_least: u32,
@@ -255,8 +256,7 @@ impl Prune {
 
     /// Blocks that may be searched for at once.
     pub fn most_blocks(context: &Context, groups_per_block: u32) -> u32 {
-        let side = context.caps().max_image_2d_px;
-        (side / bound_rows(groups_per_block)).min(side - BLOCK_COUNTS[1])
+        context.caps().max_image_2d_px / bound_rows(groups_per_block)
     }
 
     /// Prepares pruning for dispatches of up to `batch` blocks, which have windows of their own or are searched for
@@ -315,8 +315,7 @@ impl Prune {
         let bound_rows = bound_rows(groups_per_block);
         let desc = ImageDesc::storage_2d(BOUND_WORDS, bound_rows * batch, vk::Format::R32_UINT);
         let tile_bounds = Image::new(context, "quilt tile bounds", &desc)?;
-        // Room for those that a dispatch of `quilt_bound` lacks.
-        let desc = ImageDesc::storage_2d(batch + BLOCK_COUNTS[1], 2 * texels + 1, floats);
+        let desc = ImageDesc::storage_2d(batch, 2 * texels + 1, floats);
         let templates = Image::new(context, "quilt templates", &desc)?;
 
         let aim = stages.pipeline(&QUILT_AIM, &[texels])?;
@@ -398,6 +397,7 @@ impl Prune {
                 position_columns,
                 position_rows,
                 first_slot,
+                slots: blocks,
                 bound_rows: self.bound_rows,
                 tolerance: push.tolerance,
                 first_least: self.first_least,

@@ -184,7 +184,7 @@ pub fn shared_structs() -> Vec<SharedStruct> {
         shared!("synthesis/quilt_aim.comp", "struct Strip", StripData,
             x y width height left first directions margin step),
         shared!("synthesis/quilt_bound.comp", "uniform Push", BoundPush,
-            position_columns position_rows first_slot bound_rows tolerance first_least),
+            position_columns position_rows first_slot slots bound_rows tolerance first_least),
         shared!("synthesis/quilt_match.comp", "uniform Push", MatchPush,
             output sample_height block_px overlap_px tileable columns rows first_block first_group groups_per_block
             canvas_weight previous_weight first_row row_step),
