@@ -223,15 +223,6 @@ fn tables_say_what_the_binaries_say() {
     }
 }
 
-#[test]
-fn a_uniform_buffer_is_told_from_a_storage_buffer() {
-    let path = glsl().join("spirv/gpu/product_path.comp.spv");
-    let found = Binary::parse(&std::fs::read(path).expect("the binary")).resources.remove(1);
-    assert_eq!(found, expected(1, BindingKind::Uniform(Access::ComputeUniform)));
-    assert_ne!(found, expected(1, BindingKind::Buffer(Access::ComputeRead)));
-    assert_ne!(found, expected(1, BindingKind::Buffer(Access::ComputeReadWrite)));
-}
-
 /// What is wrong with a table of a vertex and a fragment shader.
 fn raster_faults(source: &str, shader: &RasterShader, vertex: &Binary, fragment: &Binary) -> Vec<String> {
     let mut faults = Vec::new();
