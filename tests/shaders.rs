@@ -188,15 +188,13 @@ fn a_binary_that_asks_for_more_is_noticed() {
 fn expected(binding: u32, kind: BindingKind) -> Resource {
     let (class, access) = match kind {
         BindingKind::Buffer(access) => ("storage buffer", access),
-        BindingKind::Uniform(access) => ("uniform buffer", access),
         BindingKind::Image(access) => ("storage image", access),
         BindingKind::Sampled(access) => ("sampled image", access),
     };
-    assert_eq!(class == "uniform buffer", access == Access::ComputeUniform, "a {class} declares {access:?}");
     let (non_writable, non_readable) = match access {
         Access::ComputeRead | Access::FragmentRead => (true, false),
-        // A sampler or a uniform buffer is only ever read.
-        Access::FragmentSampled | Access::ComputeSampled | Access::ComputeUniform => (false, false),
+        // A sampler only ever reads.
+        Access::FragmentSampled | Access::ComputeSampled => (false, false),
         Access::ComputeWrite => (false, true),
         Access::ComputeReadWrite => (false, false),
         other => panic!("a shader's binding declares {other:?}"),
