@@ -14,7 +14,7 @@ fn name(what: What) -> &'static str {
         What::CopyTexels => "storage image to storage image",
         What::Float => "float multiply-add, no loads",
         What::SearchPath => "float multiply-add, the search's path",
-        What::ProductPath => "float multiply-add, image x uniform",
+        What::ProductPath => "float multiply-add, the product's path",
         What::Integer => "integer multiply-add, no loads",
         What::Dot8 => "8-bit dot product by shifts",
         What::Dot8Packed => "8-bit dot product by its instruction",

@@ -188,15 +188,13 @@ fn a_binary_that_asks_for_more_is_noticed() {
 fn expected(binding: u32, kind: BindingKind) -> Resource {
     let (class, access) = match kind {
         BindingKind::Buffer(access) => ("storage buffer", access),
-        BindingKind::Uniform(access) => ("uniform buffer", access),
         BindingKind::Image(access) => ("storage image", access),
         BindingKind::Sampled(access) => ("sampled image", access),
     };
-    assert_eq!(class == "uniform buffer", access == Access::ComputeUniform, "a {class} declares {access:?}");
     let (non_writable, non_readable) = match access {
         Access::ComputeRead | Access::FragmentRead => (true, false),
-        // A sampler or a uniform buffer is only ever read.
-        Access::FragmentSampled | Access::ComputeSampled | Access::ComputeUniform => (false, false),
+        // A sampler only ever reads.
+        Access::FragmentSampled | Access::ComputeSampled => (false, false),
         Access::ComputeWrite => (false, true),
         Access::ComputeReadWrite => (false, false),
         other => panic!("a shader's binding declares {other:?}"),
@@ -221,15 +219,6 @@ fn tables_say_what_the_binaries_say() {
         assert_eq!(binary.resources, bindings, "{source}: bindings");
         assert_eq!(binary.push_bytes(), shader.push_bytes, "{source}: push constants");
     }
-}
-
-#[test]
-fn a_uniform_buffer_is_told_from_a_storage_buffer() {
-    let path = glsl().join("spirv/gpu/product_path.comp.spv");
-    let found = Binary::parse(&std::fs::read(path).expect("the binary")).resources.remove(1);
-    assert_eq!(found, expected(1, BindingKind::Uniform(Access::ComputeUniform)));
-    assert_ne!(found, expected(1, BindingKind::Buffer(Access::ComputeRead)));
-    assert_ne!(found, expected(1, BindingKind::Buffer(Access::ComputeReadWrite)));
 }
 
 /// What is wrong with a table of a vertex and a fragment shader.

@@ -5,8 +5,8 @@
 // A product of two matrices: the coordinates of the sample's strips at each position (src/synthesis/strips.rs) and the
 // templates of the blocks. An invocation takes a position, or ROWS of them one above the other, and BLOCKS blocks, so
 // that each coordinate that is loaded serves several products.
-// The templates lie in a uniform buffer. Without a guide, a dispatch has one chunk of blocks, whose coordinates stand
-// at places that are known when the pipeline is made: lavapipe reads those once for all invocations.
+// Without a guide, a dispatch has one chunk of blocks, whose templates stand in shared memory at places that are known
+// when the pipeline is made: lavapipe reads those once for all invocations.
 // In:  coordinates of the sample's strips at each position, texel below texel; templates, least errors known.  Out: tile_bounds.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

@@ -192,10 +192,6 @@ pub struct Caps {
     pub max_image_3d_px: u32,
     /// Largest range of one storage buffer, bytes (128 MiB at least).
     pub max_storage_buffer_bytes: u64,
-    /// Largest range of one uniform buffer, bytes (16 KiB at least).
-    pub max_uniform_buffer_bytes: u64,
-    /// What the start of a range of a uniform buffer is a multiple of, bytes (a power of two, 256 at most).
-    pub uniform_alignment_bytes: u64,
     /// Largest x count of workgroups in a dispatch (65,535 at least).
     pub max_group_count_x: u32,
     /// Whether integer dot products of packed 8-bit numbers (`VK_KHR_shader_integer_dot_product`) are enabled: on a
@@ -229,8 +225,6 @@ impl Caps {
             max_image_2d_px: p.limits.max_image_dimension2_d,
             max_image_3d_px: p.limits.max_image_dimension3_d,
             max_storage_buffer_bytes: u64::from(p.limits.max_storage_buffer_range),
-            max_uniform_buffer_bytes: u64::from(p.limits.max_uniform_buffer_range),
-            uniform_alignment_bytes: p.limits.min_uniform_buffer_offset_alignment,
             max_group_count_x: p.limits.max_compute_work_group_count[0],
             integer_dot_product: false,
             // One of the two is promised by every Vulkan device.

@@ -61,7 +61,7 @@ impl Garbage {
 /// What a buffer is for, which decides its usage flags and where it lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BufferKind {
-    /// Read and written by shaders, also read as a uniform buffer; lies on the device.
+    /// Read and written by shaders; lies on the device.
     Storage,
     /// Vertices and indices; lies on the device.
     Geometry,
@@ -132,8 +132,7 @@ impl BufferInner {
         use vk::BufferUsageFlags as U;
         let (usage, location) = match kind {
             BufferKind::Storage => {
-                let read = U::UNIFORM_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_SRC;
-                (U::STORAGE_BUFFER | U::TRANSFER_DST | read, MemoryLocation::GpuOnly)
+                (U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly)
             }
             BufferKind::Geometry => (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
             BufferKind::Upload => (U::TRANSFER_SRC, MemoryLocation::CpuToGpu),

@@ -11,7 +11,6 @@ use super::memory::{Buffer, Garbage, Image, Sampler};
 use super::recorder::Use;
 use crate::{Error, Result};
 use ash::vk;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// What a shader's binding is, and how the shader touches it.
@@ -19,8 +18,6 @@ use std::path::{Path, PathBuf};
 pub enum BindingKind {
     /// A storage buffer.
     Buffer(Access),
-    /// A range of a uniform buffer.
-    Uniform(Access),
     /// A storage image.
     Image(Access),
     /// An image with its sampler.
@@ -30,17 +27,13 @@ pub enum BindingKind {
 impl BindingKind {
     pub(crate) fn access(self) -> Access {
         match self {
-            BindingKind::Buffer(access)
-            | BindingKind::Uniform(access)
-            | BindingKind::Image(access)
-            | BindingKind::Sampled(access) => access,
+            BindingKind::Buffer(access) | BindingKind::Image(access) | BindingKind::Sampled(access) => access,
         }
     }
 
     pub(crate) fn descriptor_type(self) -> vk::DescriptorType {
         match self {
             BindingKind::Buffer(_) => vk::DescriptorType::STORAGE_BUFFER,
-            BindingKind::Uniform(_) => vk::DescriptorType::UNIFORM_BUFFER,
             BindingKind::Image(_) => vk::DescriptorType::STORAGE_IMAGE,
             BindingKind::Sampled(_) => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
         }
@@ -208,9 +201,6 @@ impl Drop for ComputePipeline {
 pub(crate) enum Bound {
     /// A buffer, whole.
     Buffer(Buffer),
-    /// These bytes of a buffer, for [`BindingKind::Uniform`]. They start at a multiple of
-    /// [`Caps::uniform_alignment_bytes`] and are [`Caps::max_uniform_buffer_bytes`] at most.
-    Uniform(Buffer, Range<u64>),
     /// An image, whole.
     Image(Image),
     /// An image, whole, and how it is sampled.
@@ -220,12 +210,6 @@ pub(crate) enum Bound {
 impl From<&Buffer> for Bound {
     fn from(buffer: &Buffer) -> Self {
         Bound::Buffer(buffer.clone())
-    }
-}
-
-impl From<(&Buffer, Range<u64>)> for Bound {
-    fn from((buffer, bytes): (&Buffer, Range<u64>)) -> Self {
-        Bound::Uniform(buffer.clone(), bytes)
     }
 }
 
@@ -241,13 +225,6 @@ impl From<(&Image, &Sampler)> for Bound {
     }
 }
 
-/// Whether a buffer of so many bytes has this range, and it can be read as a uniform buffer.
-fn fits_uniform(caps: &Caps, buffer_bytes: u64, range: &Range<u64>) -> bool {
-    let aligned = range.start.is_multiple_of(caps.uniform_alignment_bytes.max(1));
-    let inside = !range.is_empty() && range.end <= buffer_bytes;
-    aligned && inside && range.end - range.start <= caps.max_uniform_buffer_bytes
-}
-
 /// The resources of one dispatch or draw, in the order of the shader's bindings. Keeps them alive.
 pub(crate) struct BindingSet {
     context: Context,
@@ -261,19 +238,17 @@ impl BindingSet {
     /// Binds `bound` to bindings 0, 1, ... of `pipeline`. Allocates, so never while recording a frame.
     ///
     /// # Errors
-    /// [`Error::Device`] when the resources do not fit the shader's bindings or a range cannot be a uniform buffer's,
-    /// [`Error::Vulkan`] when a call fails.
+    /// [`Error::Device`] when the resources do not fit the shader's bindings, [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context, pipeline: &impl Bindable, bound: &[Bound]) -> Result<Self> {
         let bindings = pipeline.bindings();
         let fits = bound.len() == bindings.len()
-            && bound.iter().zip(bindings).all(|(bound, kind)| match (bound, kind) {
-                (Bound::Uniform(buffer, range), BindingKind::Uniform(_)) => {
-                    fits_uniform(context.caps(), buffer.bytes(), range)
-                }
-                (Bound::Image(_), BindingKind::Image(_))
-                | (Bound::Buffer(_), BindingKind::Buffer(_))
-                | (Bound::Sampled(..), BindingKind::Sampled(_)) => true,
-                _ => false,
+            && bound.iter().zip(bindings).all(|(bound, kind)| {
+                matches!(
+                    (bound, kind),
+                    (Bound::Image(_), BindingKind::Image(_))
+                        | (Bound::Buffer(_), BindingKind::Buffer(_))
+                        | (Bound::Sampled(..), BindingKind::Sampled(_))
+                )
             });
         if !fits {
             return Err(Error::Device(format!("the resources bound to {} do not fit its bindings", pipeline.name())));
@@ -311,14 +286,6 @@ impl BindingSet {
                             [vk::DescriptorBufferInfo { buffer: buffer.handle(), offset: 0, range: vk::WHOLE_SIZE }];
                         write.buffer_info(&buffers)
                     }
-                    Bound::Uniform(buffer, bytes) => {
-                        buffers = [vk::DescriptorBufferInfo {
-                            buffer: buffer.handle(),
-                            offset: bytes.start,
-                            range: bytes.end - bytes.start,
-                        }];
-                        write.buffer_info(&buffers)
-                    }
                     Bound::Image(image) | Bound::Sampled(image, _) => {
                         let sampler = match bound {
                             Bound::Sampled(_, sampler) => sampler.handle(),
@@ -341,7 +308,7 @@ impl BindingSet {
     /// Its resources, and how the shader touches them.
     pub(crate) fn uses(&self) -> impl Iterator<Item = Use<'_>> {
         self.bound.iter().zip(self.bindings).map(|(bound, kind)| match bound {
-            Bound::Buffer(buffer) | Bound::Uniform(buffer, _) => Use::Buffer(buffer, kind.access()),
+            Bound::Buffer(buffer) => Use::Buffer(buffer, kind.access()),
             Bound::Image(image) | Bound::Sampled(image, _) => Use::Image(image, kind.access()),
         })
     }
@@ -433,36 +400,4 @@ impl PipelineCacheFile {
 /// FNV-1a (Fowler, Noll and Vo): guards against a damaged file, not against an enemy.
 fn fnv1a(data: &[u8]) -> u64 {
     data.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranges_that_cannot_be_a_uniform_buffers_are_refused() {
-        let caps = Caps {
-            kind: crate::gpu::DeviceKind::Cpu,
-            timestamp_period_ns: 1.0,
-            timestamp_bits: 64,
-            max_image_2d_px: 4096,
-            max_image_3d_px: 256,
-            max_storage_buffer_bytes: 1 << 27,
-            max_uniform_buffer_bytes: 16_384,
-            uniform_alignment_bytes: 64,
-            max_group_count_x: 65_535,
-            integer_dot_product: false,
-            depth_format: vk::Format::D32_SFLOAT,
-            pipeline_cache_uuid: [0; 16],
-            vendor_id: 0,
-            device_id: 0,
-        };
-        for range in [0..16_384, 64..16_448, 19_968..20_000] {
-            assert!(fits_uniform(&caps, 20_000, &range), "{range:?}");
-        }
-        let reversed = Range { start: 128, end: 64 };
-        for range in [32..96, 0..16_385, 19_968..20_001, 64..64, reversed, 20_032..20_096] {
-            assert!(!fits_uniform(&caps, 20_000, &range), "{range:?}");
-        }
-    }
 }

@@ -180,7 +180,6 @@ impl Reader<'_> {
         let made = self.get(pointee);
         let class = match (variable.operands[0].unwrap_storage_class(), made.class.opcode) {
             (StorageClass::StorageBuffer, Op::TypeStruct) => "storage buffer",
-            (StorageClass::Uniform, Op::TypeStruct) => "uniform buffer",
             // Operand 5 of an image type: 2 means that it is used without a sampler.
             (StorageClass::UniformConstant, Op::TypeSampledImage) => "sampled image",
             (StorageClass::UniformConstant, Op::TypeImage) if made.operands[5] == Operand::LiteralBit32(2) => {

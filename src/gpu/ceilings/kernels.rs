@@ -64,8 +64,8 @@ pub const SEARCH_PATH: Shader = Shader {
 pub const PRODUCT_PATH: Shader = Shader {
     name: "product_path",
     spirv: spirv!("product_path"),
-    bindings: &[BindingKind::Image(Access::ComputeRead), BindingKind::Uniform(Access::ComputeUniform), RESULTS],
-    push_bytes: 8,
+    bindings: &[BindingKind::Image(Access::ComputeRead), BindingKind::Image(Access::ComputeRead), RESULTS],
+    push_bytes: 4,
 };
 
 type Words = Box<dyn Fn(u32) -> usize>;
@@ -185,7 +185,7 @@ pub struct RatePush {
     pub seed: u32,
 }
 
-/// The push constants of the rates with loads.
+/// The push constants of the search's path.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct PathPush {
@@ -248,8 +248,8 @@ fn below_16(i: usize) -> u32 {
     source_word(i + 1) >> 28
 }
 
-/// The sum of eight sums that tells them apart.
-fn sum_of_sums(sums: [u32; 8]) -> u32 {
+/// A sum of sums that tells them apart.
+fn sum_of_sums(sums: impl IntoIterator<Item = u32>) -> u32 {
     sums.into_iter().zip(0..).map(|(sum, i)| sum.wrapping_mul(2 * i + 1)).fold(0, u32::wrapping_add)
 }
 
@@ -294,38 +294,36 @@ fn search_path(runner: &mut Runner) -> Result<Kernel> {
 }
 
 fn product_path(runner: &mut Runner) -> Result<Kernel> {
-    const ROWS: u32 = 256;
-    /// Rows of positions in the image.
-    const HEIGHT: usize = 4;
-    /// Texels of a position.
-    const TEXELS: usize = 16;
-    const TEMPLATES: usize = 8;
-    // By the texel of the image, which is 256 wide, or the place in the uniform buffer, and the channel.
-    let coordinate = |x: usize, y: usize, c: usize| below_16((y * LANES + x) * 4 + c);
-    let template = |i: usize, c: usize| below_16(i * 4 + c + 100_000);
+    /// Rows of positions.
+    const ROWS: usize = 2;
+    /// Texels of a position, of eight coordinates.
+    const TEXELS: usize = 8;
+    const TEMPLATES: usize = 10;
+    // Of both signs. By the position's place, of which 256 lie beside each other, and the number of the coordinate.
+    let coordinate = |x: usize, y: usize, i: usize| below_16((y * LANES + x) * 8 * TEXELS + i) as i32 - 8;
+    let template = |k: usize, i: usize| below_16(k * 8 * TEXELS + i + 100_000) as i32 - 8;
     let expected = |lane: usize| {
-        let mut sums = [0; TEMPLATES];
-        for (j, sum) in sums.iter_mut().enumerate() {
-            for (y, c) in (0..HEIGHT * TEXELS).flat_map(|y| (0..4).map(move |c| (y, c))) {
-                let product = coordinate(lane, y, c) * template(TEMPLATES * (y % TEXELS) + j, c);
-                *sum += product * (ROWS / HEIGHT as u32);
-            }
-        }
-        sum_of_sums(sums)
+        let sum = |r, k| (0..8 * TEXELS).map(|i| coordinate(lane, r, i) * template(k, i)).sum::<i32>() as u32;
+        sum_of_sums((0..ROWS * TEMPLATES).map(|j| sum(j / TEMPLATES, j % TEMPLATES)))
     };
-    let operations = u64::from(ROWS) * (TEXELS * TEMPLATES) as u64 * 4 * 2;
-    let push = |seed| PathPush { rows: ROWS, seed };
+    let operations = (ROWS * TEXELS * 8 * TEMPLATES * 2) as u64;
+    let push = |seed| seed;
     groups(runner, &PRODUCT_PATH, operations, (0..LANES).map(expected).collect(), push, |context, uploads| {
-        let floats = |words: &mut dyn Iterator<Item = u32>| bytes_of(words.map(|word| (word as f32).to_bits()));
-        let size = [LANES, HEIGHT * TEXELS];
-        let desc = ImageDesc::storage_2d(size[0] as u32, size[1] as u32, vk::Format::R32G32B32A32_SFLOAT);
-        let image = Image::new(context, "coordinates", &desc)?;
-        let mut words = (0..size[0] * size[1] * 4).map(|i| coordinate(i / 4 % LANES, i / 4 / LANES, i % 4));
-        uploads.image(context, &image, &floats(&mut words))?;
-        let data = floats(&mut (0..TEXELS * TEMPLATES * 4).map(|i| template(i / 4, i % 4)));
-        let templates = Buffer::new(context, "templates", BufferKind::Storage, data.len() as u64)?;
-        uploads.buffer(context, &templates, &data)?;
-        Ok(vec![(&image).into(), (&templates, 0..templates.bytes()).into()])
+        let mut image = |name, size: [usize; 2], format, word: &dyn Fn(usize, usize, usize) -> u32| -> Result<Bound> {
+            let image = Image::new(context, name, &ImageDesc::storage_2d(size[0] as u32, size[1] as u32, format))?;
+            let words = (0..size[0] * size[1] * 4).map(|i| word(i / 4 % size[0], i / 4 / size[0], i % 4));
+            uploads.image(context, &image, &bytes_of(words))?;
+            Ok((&image).into())
+        };
+        let two_coordinates = |x, y, c| {
+            let [low, high] = [0, 1].map(|i| coordinate(x, y % ROWS, y / ROWS * 8 + 2 * c + i) as u32);
+            low & 0xffff | high << 16
+        };
+        let number = |k, y, c| (template(k, 4 * y + c) as f32).to_bits();
+        Ok(vec![
+            image("coordinates", [LANES, ROWS * TEXELS], vk::Format::R32G32B32A32_UINT, &two_coordinates)?,
+            image("templates", [TEMPLATES, 2 * TEXELS], vk::Format::R32G32B32A32_SFLOAT, &number)?,
+        ])
     })
 }
 

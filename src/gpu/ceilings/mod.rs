@@ -31,8 +31,9 @@ pub enum What {
     /// Multiply-adds of 32-bit floats by the path of the block search: packed RGB of 8 bits from `r32ui` storage
     /// images, 19 loads for 48 comparisons of three multiply-adds. Unpacking is not counted.
     SearchPath,
-    /// Multiply-adds of 32-bit floats as in a product of matrices: each 16 bytes from an `rgba32f` storage image with 8
-    /// vectors of a uniform buffer. The operands come from the caches.
+    /// Multiply-adds of 32-bit floats by the path of the pruned search's bounds, a product of matrices: 16-bit
+    /// coordinates, eight to a texel of an `rgba32ui` storage image, of two positions, with 10 templates in shared
+    /// memory. Unpacking is not counted.
     ProductPath,
     /// Multiply-adds of 32-bit integers without loads.
     Integer,
