@@ -43,7 +43,7 @@ pub enum SearchFlag {
     Full,
     /// Leave out positions that cannot be chosen
     Pruned,
-    /// As is found to be the fastest by a second of trying
+    /// As is found to be the fastest by trying, a second or two
     Calibrate,
 }
 
