@@ -27,10 +27,13 @@ const SEED: u32 = 1;
 ///
 /// A program calls it once, at its start or when it is installed, and keeps the value for each device and driver.
 /// Nothing global is kept. It takes a second or two on a CPU device of two cores, besides the compilation of all paths
-/// at the first time; far more in a build that is not optimised, where pruning never pays for its work on the host. The number of parts is that of the shortest search. Pruned searches and full ones are timed
-/// at two sizes with their preparation, on the host and on the device; from a line through what pruning saves at each
-/// follows from how many comparisons on it pays. On a host's own device, which has no runner, use what was found in a
-/// context of its own on the same device.
+/// at the first time. A build that is not optimised takes far longer, and finds that pruning does not pay for its work
+/// on the host.
+///
+/// The number of parts is that of the shortest search. Pruned searches and full ones are timed at two sizes with their
+/// preparation, on the host and on the device; from a line through what pruning saves at each follows from how many
+/// comparisons on it pays. On a host's own device, which has no runner, use what was found in a context of its own on
+/// the same device.
 ///
 /// # Errors
 /// [`Error::Device`] when two paths give different bytes, so that one of them is wrong; those of making and running a
