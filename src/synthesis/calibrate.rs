@@ -1,8 +1,8 @@
 //! Which path of the search is the fastest on a device, found by trying.
 //!
 //! [`SearchPath::for_device`] goes by the kind of the device. [`calibrate`] times short quiltings of a made-up texture
-//! by every path instead, and gives a value for [`super::quilt::QuiltStages::with_path`]. All paths give the same bytes,
-//! so that a measurement disturbed by other work costs time, and nothing else.
+//! by every path instead, and gives a value for [`super::quilt::QuiltStages::with_path`]. All paths give the same
+//! bytes, so that a measurement disturbed by other work costs time, and nothing else.
 
 use super::params::QuiltParams;
 use super::quilt::{Quilt, QuiltStages, SampleTexels, SearchPath};
