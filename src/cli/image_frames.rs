@@ -5,12 +5,13 @@ use super::report::number;
 use super::session::{Device, Session, PART_COMPARISONS};
 use super::values::finite;
 use clap::{Args, ValueEnum};
-use impasto::gpu::Uploads;
+use impasto::gpu::{Context, Uploads};
 use impasto::scene::{GuidePass, Moment, MotionPass};
-use impasto::synthesis::quilt::PreviousWeight;
+use impasto::synthesis::quilt::{PreviousWeight, QuiltStages};
 use impasto::synthesis::repair::RepairParams;
 use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::{Paint, Show};
+use std::sync::Arc;
 
 /// How image-based frames keep to the one before.
 #[derive(Args, Debug, Clone)]
@@ -163,24 +164,21 @@ impl<'a> NextFrame<'a> {
 
 impl ImageFrames {
     /// Prepares the technique over `guides`. Object i is painted with `paints[paint_of_object[i]]`.
-    #[allow(clippy::too_many_arguments)]
     pub fn new(
-        device: &mut Device,
+        context: &Context,
         uploads: &mut Uploads,
+        stages: &Arc<QuiltStages>,
         guides: &GuidePass,
-        paints: &[Paint<'_>],
-        paint_of_object: &[u32],
+        (paints, paint_of_object): (&[Paint<'_>], &[u32]),
         params: &ImageParams,
         continuity: Continuity,
     ) -> Result<Self> {
-        let stages = device.quilt_stages();
-        let context = &device.context;
         let previous = match continuity {
             Continuity::Match(weight, _) => Some(weight),
             Continuity::Anew | Continuity::Carry(_) => None,
         };
         let params = ImageParams { previous, ..*params };
-        let mut technique = ImageTechnique::new(context, uploads, &stages, guides, paints, paint_of_object, &params)?;
+        let mut technique = ImageTechnique::new(context, uploads, stages, guides, paints, paint_of_object, &params)?;
         let mut motion = None;
         if let Continuity::Carry(params) = &continuity {
             let pass = MotionPass::new(context, guides)?;

@@ -71,8 +71,9 @@ impl<'a> Painter<'a> {
             Technique::Image(continuity) => {
                 let params = ImageParams { quilt: chosen.quilt, k: chosen.k, range, previous: None };
                 let all = paints.all()?;
-                let frames =
-                    ImageFrames::new(device, &mut uploads, &guides, &all, &paints.of_object, &params, *continuity)?;
+                let stages = session.quilt_stages(device, chosen.search)?;
+                let painted = (&all[..], &paints.of_object[..]);
+                let frames = ImageFrames::new(&context, &mut uploads, &stages, &guides, painted, &params, *continuity)?;
                 device.upload(&mut uploads)?;
                 session.phase("prepare");
                 Prepared::Image(Box::new(frames))
@@ -86,7 +87,7 @@ impl<'a> Painter<'a> {
                 Prepared::Object(technique)
             }
             Technique::Aligned(params, frame) => {
-                let stages = device.quilt_stages();
+                let stages = session.quilt_stages(device, chosen.search)?;
                 let levels = LevelVolume::new(&context, &mut uploads, &stages, &paints.levels(), params)?;
                 let trajectories = paints.trajectories();
                 let mut technique =
@@ -100,7 +101,7 @@ impl<'a> Painter<'a> {
             }
             Technique::Dependent(views, view_px, params) => {
                 let covered = ViewCoverage::run(&context, &mut device.runner, scene.mesh, views, *view_px)?;
-                let stages = device.quilt_stages();
+                let stages = session.quilt_stages(device, chosen.search)?;
                 let mut params = *params;
                 params.range = range;
                 let all = paints.all()?;

@@ -58,7 +58,7 @@ pub fn run(args: &PrepareArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     session.phase("setup");
     let mut uploads = Uploads::default();
-    let stages = device.quilt_stages();
+    let stages = session.quilt_stages(&mut device, args.quilting.search)?;
     let sources = [LevelSource::Strip(&strip.texture)];
     let levels = LevelVolume::new(&device.context, &mut uploads, &stages, &sources, &params)?;
     device.upload(&mut uploads)?;

@@ -52,7 +52,6 @@ pub fn run(args: &QuiltArgs, session: &mut Session) -> Result {
         check_apart(&args.output, dir)?;
     }
     let wrap = args.tileable == Some(Tileable::Wrap);
-    let params = args.quilting.params(wrap);
     let sample = PaintSample::load(&args.sample)?;
     let sample_size = (sample.width(), sample.height());
     args.quilting.check(&args.sample, sample_size, args.size, wrap)?;
@@ -66,7 +65,7 @@ pub fn run(args: &QuiltArgs, session: &mut Session) -> Result {
     let mut device = session.open_device()?;
     device.check_size(args.size)?;
     session.phase("setup");
-    let quilted = quilt(session, &mut device, &sample.to_rgba8(), sample_size, args.size, &params)?;
+    let quilted = quilt(session, &mut device, &sample.to_rgba8(), sample_size, args.size, (&args.quilting, wrap))?;
 
     let mut outputs = Outputs::default();
     let texture = from_texels(quilted.texels, args.size.pair())?;

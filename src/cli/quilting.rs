@@ -4,11 +4,13 @@ use super::failure::{Failure, Result};
 use super::report::number;
 use super::session::{Device, Session, PART_COMPARISONS};
 use super::values::Size;
-use clap::Args;
-use impasto::gpu::Uploads;
+use clap::{Args, ValueEnum};
+use impasto::gpu::{Context, Runner, Uploads};
+use impasto::synthesis::calibrate::calibrate;
 use impasto::synthesis::params::{BlockRecord, QuiltParams};
-use impasto::synthesis::quilt::{Quilt, SampleTexels};
+use impasto::synthesis::quilt::{Pruning, Quilt, QuiltStages, SampleTexels};
 use std::path::Path;
+use std::sync::Arc;
 
 /// How to quilt.
 #[derive(Args, Debug, Clone)]
@@ -25,6 +27,37 @@ pub struct Quilting {
     /// Picks among the positions that fit; the same seed gives the same picture
     #[arg(long, value_name = "NUMBER", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u32,
+    /// How the positions for a block are searched through, which changes how long it takes and never the picture
+    #[arg(long = "quilt-search", id = "quilt_search", value_name = "HOW", value_enum, default_value_t)]
+    pub search: SearchFlag,
+}
+
+/// How to search.
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[value(rename_all = "lower")]
+pub enum SearchFlag {
+    /// As is expected to be fast on this kind of device
+    #[default]
+    Auto,
+    /// Compare every position
+    Full,
+    /// Leave out positions that cannot be chosen
+    Pruned,
+    /// As is found to be the fastest by trying, a second or two
+    Calibrate,
+}
+
+impl SearchFlag {
+    /// Stages that search so.
+    pub fn stages(self, context: &Context) -> Result<Arc<QuiltStages>> {
+        Ok(match self {
+            SearchFlag::Auto => QuiltStages::with_pruning(context, Pruning::Auto),
+            SearchFlag::Full => QuiltStages::with_pruning(context, Pruning::Off),
+            SearchFlag::Pruned => QuiltStages::with_pruning(context, Pruning::On),
+            // A runner of its own, so that its passes are not among the command's times.
+            SearchFlag::Calibrate => QuiltStages::with_path(context, calibrate(&mut Runner::new(context)?)?)?,
+        })
+    }
 }
 
 impl Quilting {
@@ -79,10 +112,11 @@ pub fn quilt(
     texels: &[[u8; 4]],
     sample: (u32, u32),
     size: Size,
-    params: &QuiltParams,
+    (quilting, tileable): (&Quilting, bool),
 ) -> Result<Quilted> {
     let mut uploads = Uploads::default();
-    let stages = device.quilt_stages();
+    let params = &quilting.params(tileable);
+    let stages = session.quilt_stages(device, quilting.search)?;
     let sample = SampleTexels::new(&device.context, &mut uploads, texels, sample)?;
     let quilt = Quilt::new(&device.context, &mut uploads, &stages, &sample, size.pair(), params, None)?;
     device.upload(&mut uploads)?;

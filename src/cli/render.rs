@@ -45,7 +45,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result {
         check_apart(&args.output, dir)?;
     }
     let technique = args.look.technique;
-    let quilting = (technique != TechniqueName::Object).then(|| args.shot.quilting.params(false));
+    let quilting = (technique != TechniqueName::Object).then_some(&args.shot.quilting);
     let ((shot, chosen), mut device) = session.load_and_open(quilting, |session| {
         let shot = args.shot.load(&[technique], session)?;
         let chosen = args.shot.choose(technique, &shot)?;

@@ -5,11 +5,11 @@
 
 use super::failure::{Failure, Result};
 use super::progress::Progress;
+use super::quilting::{Quilting, SearchFlag};
 use super::report::{print, warn_on_stderr};
 use clap::Args;
 use impasto::gpu::{Context, ContextOptions, DeviceChoice, DeviceInfo, LogCallback, PassTime, Runner, Uploads};
-use impasto::synthesis::params::QuiltParams;
-use impasto::synthesis::quilt::QuiltStages;
+use impasto::synthesis::quilt::{QuiltStages, SearchPath};
 use serde_json::{json, Map, Value};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -106,18 +106,19 @@ impl Session {
     }
 
     /// Loads what the command is given while another thread opens the device and, if the command quilts, compiles the
-    /// stages of quilting with these parameters: each takes about as long as reading a large model. What is wrong with the input is told
-    /// first. Ends the phases `load` and `setup`.
+    /// stages of quilting with these flags: each takes about as long as reading a large model. What is wrong with the
+    /// input is told first. Ends the phases `load` and `setup`.
     pub fn load_and_open<T>(
         &mut self,
-        quilting: Option<QuiltParams>,
+        quilting: Option<&Quilting>,
         load: impl FnOnce(&mut Session) -> Result<T>,
     ) -> Result<(T, Device)> {
         let (common, messages) = (self.common.clone(), self.messages.clone());
         let open = || -> Result<Device> {
             let mut device = Device::open(&common, &messages)?;
-            if let Some(params) = quilting {
-                device.quilt_stages().compile(&params)?;
+            // What runs beside it would disturb a calibration.
+            if let Some(quilting) = quilting.filter(|quilting| quilting.search != SearchFlag::Calibrate) {
+                device.quilt_stages(quilting.search)?.compile(&quilting.params(false))?;
             }
             Ok(device)
         };
@@ -130,6 +131,13 @@ impl Session {
             self.phase("setup");
             Ok((loaded, device))
         })
+    }
+
+    /// The stages of quilting; one serves every quilting of the command. The report tells by which path they search.
+    pub fn quilt_stages(&mut self, device: &mut Device, search: SearchFlag) -> Result<Arc<QuiltStages>> {
+        let stages = device.quilt_stages(search)?;
+        self.attach("quilt_search", search_json(search, stages.path()));
+        Ok(stages)
     }
 
     /// Ends a phase of the work: what has passed since the one before is its time.
@@ -321,9 +329,11 @@ impl Device {
         Ok(Device { context, runner, quilt_stages: None })
     }
 
-    /// The stages of quilting; one serves every quilting of the command.
-    pub fn quilt_stages(&mut self) -> Arc<QuiltStages> {
-        self.quilt_stages.get_or_insert_with(|| QuiltStages::new(&self.context)).clone()
+    fn quilt_stages(&mut self, search: SearchFlag) -> Result<Arc<QuiltStages>> {
+        if let Some(stages) = &self.quilt_stages {
+            return Ok(stages.clone());
+        }
+        Ok(self.quilt_stages.insert(search.stages(&self.context)?).clone())
     }
 
     /// Checks a picture's size against the device's limit.
@@ -357,6 +367,16 @@ pub fn device_json(device: &DeviceInfo) -> Value {
         "driver_version": device.driver_version,
         "vendor_id": device.vendor_id,
         "device_id": device.device_id,
+    })
+}
+
+/// How positions were searched through, as the report tells of it; searches that are never pruned are so from no number
+/// of comparisons on.
+fn search_json(search: SearchFlag, path: SearchPath) -> Value {
+    json!({
+        "chosen": format!("{search:?}").to_lowercase(),
+        "parts": path.parts,
+        "prune_from": (path.prune_from != SearchPath::NEVER).then_some(path.prune_from),
     })
 }
 

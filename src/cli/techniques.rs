@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, Result};
 use super::image_frames::Continuity;
-use super::quilting::Quilting;
+use super::quilting::{Quilting, SearchFlag};
 use super::report::number;
 use super::session::Session;
 use super::values::{finite, vector};
@@ -170,6 +170,8 @@ pub struct Chosen {
     pub technique: Technique,
     /// How to quilt.
     pub quilt: QuiltParams,
+    /// How to search for it.
+    pub search: SearchFlag,
     /// How far from its shade a block may come.
     pub k: Option<f32>,
     /// Whether to spread the model's own range of shade.
@@ -226,7 +228,7 @@ impl TechniqueOptions {
                 Technique::Dependent(views, self.dependent.view_size, params)
             }
         };
-        Ok(Chosen { technique, quilt, k: self.k, levels: self.levels })
+        Ok(Chosen { technique, quilt, search: quilting.search, k: self.k, levels: self.levels })
     }
 
     /// The parameters of image-based synthesis.

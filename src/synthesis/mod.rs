@@ -9,6 +9,7 @@
 //! share [`params`] and nothing else, and must give the same bytes: all arithmetic is on integers, random choices come
 //! from a hash of (seed, block, frame), and ties go to the lowest index.
 
+pub mod calibrate;
 pub mod params;
 pub(crate) mod prune;
 pub mod quilt;
@@ -18,6 +19,7 @@ pub mod quilt_stages;
 pub mod repair;
 pub mod repair_oracle;
 pub(crate) mod sample;
+mod search_path;
 pub(crate) mod strips;
 pub mod tile_mask;
 pub mod tile_oracle;

@@ -22,8 +22,9 @@ use ash::vk;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use super::quilt_stages::{Pruning, QuiltStages};
+pub use super::quilt_stages::QuiltStages;
 pub use super::sample::SampleTexels;
+pub use super::search_path::{Pruning, SearchPath};
 
 /// Blocks in a row of `quilt_guide`'s workgroups; every device allows more.
 const GUIDE_GROUPS_X: u32 = 32_768;
@@ -167,12 +168,13 @@ impl Quilt {
         };
         let rows = Rows::new(params, sample.size().1, columns, 0, 1);
         let blocks = layout.placements.len() as u64;
+        let positions_down = u64::from(sample.size().1 - params.block_px + 1);
         let (groups_per_block, block_bytes) = (rows.groups, rows.block_bytes());
         let longest = layout.waves.iter().map(Vec::len).max().unwrap_or(1) as u64;
         let windowed = guide.is_some();
         let pruned = previous_weight.is_none()
             && Prune::possible(context, params, sample.size())
-            && stages.prunes(context, group_comparisons(params) * u64::from(groups_per_block) * blocks);
+            && stages.path().prunes(blocks, overlap_px(params) * u64::from(columns) * positions_down);
         let most = if pruned { Prune::most_blocks(context, groups_per_block) } else { u32::MAX };
         let batch = (ERRORS_BYTES / block_bytes).min(u64::from(most)).clamp(1, longest) as u32;
 
@@ -195,13 +197,13 @@ impl Quilt {
         let storage = |name, bytes| Buffer::new(context, name, BufferKind::Storage, bytes);
         let blocks = storage("quilt blocks", size_of_val(&data[..]) as u64)?;
         let errors = storage("quilt errors", block_bytes * u64::from(batch))?;
-        let minima_per_block = u64::from(groups_per_block * stages.search_parts() + 1);
+        let minima_per_block = u64::from(groups_per_block * stages.path().parts + 1);
         let minima = storage("quilt group minima", minima_per_block * u64::from(batch) * 4)?;
         uploads.buffer(context, &blocks, bytemuck::cast_slice(&data))?;
         let guide_image = guide.as_ref().map_or(sample.image(), |guide| &guide.image);
         let found = [guide_image.into(), (&blocks).into()];
         let find = Stage::new(context, stages.pipeline(&QUILT_GUIDE, &[])?, &found)?;
-        let most_groups = context.caps().max_group_count_x / stages.search_parts();
+        let most_groups = context.caps().max_group_count_x / stages.path().parts;
         let order_list: Vec<u32> = layout.waves.iter().flatten().copied().collect();
         let order = storage("quilt order", size_of_val(&order_list[..]) as u64)?;
         uploads.buffer(context, &order, bytemuck::cast_slice(&order_list))?;
@@ -227,7 +229,7 @@ impl Quilt {
             _ => Search::Overlap(targets.search(context, params)?),
         };
         let place = match &search {
-            Search::Overlap(_) => targets.place(context, stages.search_parts(), None)?,
+            Search::Overlap(_) => targets.place(context, stages.path().parts, None)?,
             Search::Pruned(prune) => targets.place(context, 1, Some(prune.tile_bounds()))?,
             Search::Weighted { .. } => targets.place(context, 1, None)?,
         };
@@ -440,7 +442,7 @@ impl Quilt {
         };
         match &self.waves.search {
             Search::Overlap(stage) => {
-                let count = [count[0] * self.stages.search_parts(), count[1], 1];
+                let count = [count[0] * self.stages.path().parts, count[1], 1];
                 recorder.dispatch(&stage.pipeline, &stage.set, &push, count);
             }
             Search::Pruned(prune) => prune.record(recorder, &push, self.columns, blocks.len() as u32),
@@ -477,11 +479,17 @@ impl Quilt {
     }
 }
 
+/// Pixels of the overlaps of a block that has neighbours to the left and above.
+fn overlap_px(params: &QuiltParams) -> u64 {
+    let (b, o) = (u64::from(params.block_px), u64::from(params.overlap_px));
+    2 * b * o - o * o
+}
+
 /// Pixel comparisons of a group of positions.
 fn group_comparisons(params: &QuiltParams) -> u64 {
     let (b, o) = (u64::from(params.block_px), u64::from(params.overlap_px));
-    let overlap_px = if params.tileable { b * b - (b - 2 * o) * (b - 2 * o) } else { 2 * b * o - o * o };
-    u64::from(GROUP * TILE) * overlap_px
+    let pixels = if params.tileable { b * b - (b - 2 * o) * (b - 2 * o) } else { overlap_px(params) };
+    u64::from(GROUP * TILE) * pixels
 }
 
 /// The steps of waves with their cost in pixel comparisons. A search of all groups for `batch` blocks is one step, unless

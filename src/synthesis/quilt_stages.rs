@@ -5,7 +5,8 @@ use super::params::QuiltParams;
 use super::prune::{AimPush, BoundPush, StripData, QUILT_COMPARE};
 use super::repair::FitPush;
 use super::sample::SampleTexels;
-use crate::gpu::{Access, BindingKind, BindingSet, Bound, Buffer, ComputePipeline, Context, DeviceKind, Image, Shader};
+use super::search_path::{Pruning, SearchPath};
+use crate::gpu::{Access, BindingKind, BindingSet, Bound, Buffer, ComputePipeline, Context, Image, Shader};
 use crate::Result;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,9 +14,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Positions that one workgroup of the search compares: GROUP invocations of TILE positions each, as in quilt.glsl.
 pub(super) const GROUP: u32 = 128;
 pub(super) const TILE: u32 = 8;
-
-/// From so many pixel comparisons on, pruning pays for its preparation on a CPU device.
-const PRUNED_COMPARISONS: u64 = 100_000_000;
 
 pub(crate) const QUILT_GUIDE: Shader = Shader {
     name: "quilt_guide",
@@ -196,25 +194,11 @@ pub fn shared_structs() -> Vec<SharedStruct> {
     ]
 }
 
-/// Whether a search leaves out positions that cannot be chosen. The texture is the same.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Pruning {
-    /// Where it is expected to pay.
-    #[default]
-    Auto,
-    /// Wherever it is possible.
-    On,
-    /// Every allowed position is compared.
-    Off,
-}
-
 /// The compiled stages; one for a context serves every quilting. A stage is compiled when a quilting that needs it is
 /// made, and kept.
 pub struct QuiltStages {
     context: Context,
-    pruning: Pruning,
-    /// Invocations of the full search that share a tile; so many workgroups, and minima, a group of positions has.
-    search_parts: u32,
+    path: SearchPath,
     compiled: Mutex<HashMap<StageKey, Arc<ComputePipeline>>>,
 }
 
@@ -222,31 +206,38 @@ pub struct QuiltStages {
 type StageKey = (&'static str, Vec<u32>);
 
 impl QuiltStages {
-    /// For searches that are pruned where it pays.
+    /// For searches by the path that is expected to be fast on a device of this kind.
     pub fn new(context: &Context) -> Arc<Self> {
         Self::with_pruning(context, Pruning::Auto)
     }
 
+    /// For searches by this path.
+    ///
+    /// # Errors
+    /// [`crate::Error::Parameter`] when its parts are not 1, 2, 4 or 8.
+    pub fn with_path(context: &Context, path: SearchPath) -> Result<Arc<Self>> {
+        path.check()?;
+        Ok(Self::with(context, path))
+    }
+
     /// For searches that are pruned or not.
     pub fn with_pruning(context: &Context, pruning: Pruning) -> Arc<Self> {
-        // A CPU has no idle lanes to share a tile with.
-        let parts = if context.caps().kind == DeviceKind::Cpu { 1 } else { 4 };
-        Self::with(context, pruning, parts)
+        Self::with(context, SearchPath::for_device(context).with_pruning(pruning))
     }
 
     /// For full searches with so many invocations (1, 2, 4 or 8) to a tile. Only for tests: the texture is the same.
     #[doc(hidden)]
     pub fn with_search_parts(context: &Context, parts: u32) -> Arc<Self> {
-        Self::with(context, Pruning::Off, parts)
+        Self::with(context, SearchPath { parts, prune_from: SearchPath::NEVER })
     }
 
-    fn with(context: &Context, pruning: Pruning, search_parts: u32) -> Arc<Self> {
-        Arc::new(QuiltStages { context: context.clone(), pruning, search_parts, compiled: Mutex::default() })
+    fn with(context: &Context, path: SearchPath) -> Arc<Self> {
+        Arc::new(QuiltStages { context: context.clone(), path, compiled: Mutex::default() })
     }
 
-    /// Minima that a group of positions has after a full search.
-    pub(super) fn search_parts(&self) -> u32 {
-        self.search_parts
+    /// The path of their searches.
+    pub fn path(&self) -> SearchPath {
+        self.path
     }
 
     /// Compiles what any quilting with these parameters needs, so that making one takes less long.
@@ -255,13 +246,12 @@ impl QuiltStages {
     /// [`crate::Error::Vulkan`] when a call fails.
     pub fn compile(&self, params: &QuiltParams) -> Result<()> {
         self.pipeline(&QUILT_GUIDE, &[])?;
-        let pruned = self.prunes(&self.context, u64::MAX);
-        if pruned {
+        if self.path.may_prune() {
             self.pipeline(&QUILT_PLACE, &[1, 1])?;
             self.pipeline(&QUILT_COMPARE, &[chunk(params)])?;
         } else {
-            self.pipeline(&QUILT_PLACE, &[0, self.search_parts])?;
-            self.pipeline(&QUILT_SEARCH, &[chunk(params), self.search_parts])?;
+            self.pipeline(&QUILT_PLACE, &[0, self.path.parts])?;
+            self.pipeline(&QUILT_SEARCH, &[chunk(params), self.path.parts])?;
         }
         Ok(())
     }
@@ -276,15 +266,6 @@ impl QuiltStages {
         // Not under the lock, so that threads compile side by side.
         let pipeline = Arc::new(ComputePipeline::specialized(&self.context, shader, constants)?);
         Ok(compiled().entry(key).or_insert(pipeline).clone())
-    }
-
-    /// Whether to prune a search of so many pixel comparisons.
-    pub(super) fn prunes(&self, context: &Context, comparisons: u64) -> bool {
-        match self.pruning {
-            Pruning::Auto => context.caps().kind == DeviceKind::Cpu && comparisons >= PRUNED_COMPARISONS,
-            Pruning::On => true,
-            Pruning::Off => false,
-        }
     }
 }
 
@@ -328,7 +309,7 @@ impl Targets<'_> {
 
     pub fn search(&self, context: &Context, params: &QuiltParams) -> Result<Stage> {
         let images = [self.sample.image().into(), self.sample.squares().into(), self.canvas.into()];
-        let pipeline = self.stages.pipeline(&QUILT_SEARCH, &[chunk(params), self.stages.search_parts])?;
+        let pipeline = self.stages.pipeline(&QUILT_SEARCH, &[chunk(params), self.stages.path.parts])?;
         Stage::new(context, pipeline, &[&images[..], &self.buffers()].concat())
     }
 

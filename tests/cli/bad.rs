@@ -21,6 +21,7 @@ fn wrong_command_lines_are_refused_with_status_2() {
         (&format!("{quilt} --seed -1"), "-1"),
         (&format!("{quilt} --seed 4294967296"), "--seed"),
         (&format!("{quilt} --tileable round"), "wrap"),
+        (&format!("{quilt} --quilt-search quick"), "auto, full, pruned, calibrate"),
         (&format!("{render} --light 0,0,0"), "--light"),
         (&format!("{render} --light 1,2"), "X,Y,Z"),
         (&format!("{render} --light NaN,0,1"), "--light"),

@@ -27,7 +27,20 @@ fn help_names_every_command_and_flag() {
     let flags = [
         ("devices", vec!["--json"]),
         ("paint", vec!["--gradient", "--search-scale", "--timing", "--speed", "-o"]),
-        ("quilt", vec!["--size", "--block", "--overlap", "--tolerance", "--seed", "--tileable", "--dump", "-o"]),
+        (
+            "quilt",
+            vec![
+                "--size",
+                "--block",
+                "--overlap",
+                "--tolerance",
+                "--seed",
+                "--quilt-search",
+                "--tileable",
+                "--dump",
+                "-o",
+            ],
+        ),
         ("tile", vec!["-o"]),
         (
             "render",
@@ -268,6 +281,37 @@ fn json_tells_of_device_passes_phases_and_files() {
     let parameters = &report["parameters"];
     assert_eq!((&parameters["size"], &parameters["tolerance"]), (&"64x48".into(), &0.1.into()));
     assert_eq!(report["warnings"], serde_json::json!([]));
+}
+
+#[test]
+fn the_path_of_the_search_is_told_and_changes_no_byte() {
+    let place = Place::new();
+    let line = "quilt strip.png --size 70x60 --block 16 --overlap 4";
+    place.ok(&format!("{line} -o out.png"));
+    let ran = |report: &Value, name: &str| {
+        report["passes"].as_array().is_some_and(|passes| passes.iter().any(|pass| pass["name"] == name))
+    };
+    for (how, pruned) in [("auto", None), ("full", Some(false)), ("pruned", Some(true)), ("calibrate", None)] {
+        let report = place.json(&format!("{line} -o {how}.png --quilt-search {how}"));
+        assert!(place.bytes(&format!("{how}.png")) == place.bytes("out.png"), "{how}");
+        let search = &report["quilt_search"];
+        assert_eq!(search["chosen"], how);
+        assert!([1, 2, 4, 8].map(Some).contains(&search["parts"].as_u64()), "{search}");
+        let (compares, searches) = (ran(&report, "quilt_compare"), ran(&report, "quilt_search"));
+        assert!(compares != searches, "{how}: the command's own passes and no others are timed");
+        match pruned {
+            Some(true) => assert!(search["prune_from"] == 0 && compares, "{search}"),
+            Some(false) => assert!(search["prune_from"].is_null() && searches, "{search}"),
+            None => {}
+        }
+    }
+    let render = "render scene.obj --paint strip.png --size 48x48 --block 16 --overlap 4 --k 1";
+    place.ok(&format!("{render} -o out.png"));
+    for how in ["full", "pruned"] {
+        let report = place.json(&format!("{render} -o {how}.png --quilt-search {how}"));
+        assert!(place.bytes(&format!("{how}.png")) == place.bytes("out.png"), "{how}");
+        assert_eq!(ran(&report, "quilt_compare"), how == "pruned");
+    }
 }
 
 #[test]

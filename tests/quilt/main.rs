@@ -3,6 +3,7 @@
 mod cases;
 #[path = "../common/mod.rs"]
 mod common;
+mod paths;
 mod pruned;
 
 use common::{noise, Numbers, Validated};
