@@ -203,7 +203,7 @@ fn every_synthesis_of_one_quilting_equals_the_oracle() {
         expect(&mut bench, 9, "another seed");
         // An odd number: a search without its placing, so that bounds are left.
         for steps in [1, 7, 11] {
-            bench.record(&quilt, &[0..steps], 10);
+            bench.record(&quilt, std::slice::from_ref(&(0..steps)), 10);
             bench.record(&quilt, std::slice::from_ref(&whole), 11);
             expect(&mut bench, 11, "after one that was abandoned");
         }
