@@ -59,6 +59,18 @@ fn blocks_that_the_output_cuts_off_equal_the_oracle() {
     }
 }
 
+/// Halves of one length on both sides, and noise that needs all the coordinates that there may be.
+#[test]
+fn strips_in_two_halves_equal_the_oracle() {
+    let mut bench = Bench::of_a_pruned_search();
+    let sample = black_and_white((48, 40));
+    for output in [(22, 20), (22, 28), (28, 20)] {
+        let params = params(16, 4, 0.1, 1, false);
+        let case = Case { sample: &sample, size: (48, 40), output, params, guide: None };
+        bench.check(&case, &format!("{output:?}"));
+    }
+}
+
 #[test]
 fn samples_that_try_the_bounds_equal_the_oracle() {
     let mut bench = Bench::of_a_pruned_search();
