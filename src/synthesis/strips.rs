@@ -849,7 +849,7 @@ mod tests {
             assert_eq!((basis.components, basis.margin), (components, margin(shape, components)));
             assert_eq!(basis.weights, whole.weights[..components * shape.dimension()]);
             let [all, first] = [&whole, &basis].map(|basis| basis.coordinates(&sample, SIZE, (3, 4), (1, 1)));
-            assert_eq!(first.len(), (components + 3) / 4);
+            assert_eq!(first.len(), components.div_ceil(4));
             assert!(at(&first, 1, 0).take(components).eq(at(&all, 1, 0).take(components)), "{components}");
             assert_eq!(first.as_flattened()[components], 0.0);
         }
