@@ -145,7 +145,7 @@ struct Strip {
     y: u32,
     shape: StripShape,
     left: bool,
-    /// Whether it is the shorter of two parts.
+    /// Whether it is the shorter of two parts; of two halves one is.
     shorter: bool,
 }
 
@@ -183,8 +183,13 @@ fn strips(params: &QuiltParams, layout: &Layout, windowed: bool) -> Vec<Strip> {
     };
     let side = |from, least, left| {
         let parts: Vec<(u32, u32)> = parts(from, least);
-        let longest = parts.iter().map(|(begin, end)| end - begin).max();
-        parts.into_iter().map(move |part| strip(part, left, Some(part.1 - part.0) != longest)).collect::<Vec<_>>()
+        let length = |part: (u32, u32)| part.1 - part.0;
+        // Of two halves the second: coordinates have room for one longer part.
+        let shorter = match parts[..] {
+            [a, b] => Some(if length(a) < length(b) { a } else { b }),
+            _ => None,
+        };
+        parts.into_iter().map(|part| strip(part, left, shorter == Some(part))).collect::<Vec<_>>()
     };
     [side(0, least(|p| p.height), true), side(overlap, least(|p| p.width), false)].concat()
 }
@@ -463,4 +468,107 @@ fn direction_rows(bases: &[StripBasis], texels: u32) -> ((u32, u32), Vec<[f32; 4
         }
     }
     ((width as u32, 8 * texels), texel_rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn params(block_px: u32, overlap_px: u32, tileable: bool) -> QuiltParams {
+        QuiltParams { block_px, overlap_px, tileable, ..Default::default() }
+    }
+
+    /// x, y, width, height, whether on the left, whether the shorter of two.
+    type Described = (u32, u32, u32, u32, bool, bool);
+
+    fn described(params: QuiltParams, output: (u32, u32), windowed: bool) -> Vec<Described> {
+        let layout = Layout::new(&params, output).expect("layout");
+        let describe = |s: &Strip| (s.x, s.y, s.shape.width, s.shape.height, s.left, s.shorter);
+        strips(&params, &layout, windowed).iter().map(describe).collect()
+    }
+
+    #[test]
+    fn strips_by_hand() {
+        let whole = [(0, 0, 3, 12, true, false), (3, 0, 9, 3, false, false)];
+        // Blocks at 0, 9, 18, 27 end at 39.
+        assert_eq!(described(params(12, 3, false), (39, 39), false), whole);
+        // The last column is 8 px wide, the last row 4 px high.
+        let cut = [
+            (0, 0, 3, 4, true, true),
+            (0, 4, 3, 8, true, false),
+            (3, 0, 5, 3, false, false),
+            (8, 0, 4, 3, false, true),
+        ];
+        assert_eq!(described(params(12, 3, false), (35, 31), false), cut);
+        assert_eq!(described(params(12, 3, false), (35, 31), true), whole, "windowed");
+        // Parts of 2 px are not worth it: the last column lacks 2 px, or has but 2 beside the corner.
+        assert_eq!(described(params(12, 3, false), (37, 37), false), whole);
+        assert_eq!(described(params(12, 3, false), (32, 39), false), whole);
+        // Two halves: the second counts as the shorter.
+        let halves = [
+            (0, 0, 4, 8, true, false),
+            (0, 8, 4, 8, true, true),
+            (4, 0, 6, 4, false, false),
+            (10, 0, 6, 4, false, true),
+        ];
+        assert_eq!(described(params(16, 4, false), (22, 20), false), halves);
+        // 20 px in four columns of 5, 11 px in rows of 5 and 6, and 2 px more each.
+        let tileable = [(0, 0, 2, 7, true, false), (2, 0, 5, 2, false, false)];
+        assert_eq!(described(params(8, 2, true), (20, 11), false), tileable);
+    }
+
+    #[test]
+    fn the_coordinates_of_all_strips_have_room() {
+        for (block, overlap) in [(4, 1), (8, 4), (15, 5), (16, 4), (17, 1), (32, 6), (64, 31)] {
+            for (side, tileable) in (1..3 * block).flat_map(|side| [(side, false), (side, true)]) {
+                let params = params(block, overlap, tileable);
+                let Ok(layout) = Layout::new(&params, (side, side)) else { continue };
+                let strips = strips(&params, &layout, false);
+                for all in TEXELS.map(|level| level.0) {
+                    let of_side = |left: bool| {
+                        let here: Vec<_> = strips.iter().filter(|strip| strip.left == left).collect();
+                        here.iter().map(|strip| strip.texels(here.len() > 1, all)).sum::<u32>()
+                    };
+                    let most = MOST_TEXELS + 1;
+                    assert!(of_side(true) <= most && of_side(false) <= most, "{block} {overlap} {side} {tileable}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn strips_and_directions_are_laid_out_as_the_shader_reads_them() {
+        let sample: Vec<[u8; 4]> = (0..9 * 7u8).map(|i| [i * 3, i ^ 21, 255 - i, 255]).collect();
+        let strip =
+            |x, y, width, height, left| Strip { x, y, shape: StripShape { width, height }, left, shorter: false };
+        let strips = [strip(0, 1, 2, 3, true), strip(2, 0, 4, 1, false)];
+        let bases = [(0, 13), (1, 5)].map(|(i, k)| StripBasis::new(&sample, (9, 7), strips[i].shape, k));
+        let data = strip_data(&strips, &bases);
+        let fields = |d: &StripData| [d.x, d.y, d.width, d.height, d.left, d.first, d.directions];
+        assert_eq!(fields(&data[0]), [0, 1, 2, 3, 1, 0, 13]);
+        // After 13 directions, what they leave out and a length that takes the place of two.
+        assert_eq!(fields(&data[1]), [2, 0, 4, 1, 0, 16, 5]);
+        assert_eq!([data[0].margin, data[1].margin], [bases[0].margin, bases[1].margin]);
+
+        let (size, rows) = direction_rows(&bases, 3);
+        assert_eq!((size, rows.len()), ((6, 24), 6 * 24));
+        let row = |row: usize| &rows[6 * row..][..6];
+        let texels = |weights: &[f32]| weights.chunks(3).map(|w| [w[0], w[1], w[2], 0.0]).collect::<Vec<_>>();
+        assert_eq!(row(12), texels(&bases[0].weights[12 * 18..]));
+        assert_eq!(row(18)[..4], texels(&bases[1].weights[2 * 12..3 * 12]));
+        for (row_index, from) in [(13, 0), (14, 0), (15, 0), (18, 4), (21, 0), (23, 0)] {
+            assert!(row(row_index)[from..].iter().all(|texel| *texel == [0.0; 4]), "{row_index}");
+        }
+    }
+
+    #[test]
+    fn counts_by_hand() {
+        assert_eq!(bounds(true, 99), [(1, 1)]);
+        assert_eq!(bounds(false, 5), [(5, 2)]);
+        assert_eq!(bounds(false, 6), [(5, 2), (10, 2)]);
+        assert_eq!(positions(&params(16, 4, false), (20, 16)), [5, 1]);
+        // 128 tiles to a group, 1,024 to a row.
+        assert_eq!([1, 8, 9].map(bound_rows), [1, 1, 2]);
+        assert_eq!([1, 2, 6].map(directions), [5, 13, 45]);
+    }
 }

@@ -7,6 +7,7 @@ use impasto::gpu::{Context, ContextOptions, Uploads};
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::{Pruning, Quilt, QuiltStages, SampleTexels};
 use impasto::Error;
+use std::ops::Range;
 
 /// What a tile has in `Quilt::tile_bounds` that was not compared, and words in a row of it.
 const NO_BOUND: u32 = u32::MAX;
@@ -56,6 +57,18 @@ fn blocks_that_the_output_cuts_off_equal_the_oracle() {
         let output = (39 - cut, 30 - (cut * 4 + 1) % 9);
         let params = params(12, 3, 0.1, cut, false);
         bench.check(&Case { sample: &sample, size, output, params, guide: None }, &format!("{output:?}"));
+    }
+}
+
+/// Halves of one length on both sides, and noise that needs all the coordinates that there may be.
+#[test]
+fn strips_in_two_halves_equal_the_oracle() {
+    let mut bench = Bench::of_a_pruned_search();
+    let sample = black_and_white((48, 40));
+    for output in [(22, 20), (22, 28), (28, 20)] {
+        let params = params(16, 4, 0.1, 1, false);
+        let case = Case { sample: &sample, size: (48, 40), output, params, guide: None };
+        bench.check(&case, &format!("{output:?}"));
     }
 }
 
@@ -156,10 +169,10 @@ impl Bench {
         quilt
     }
 
-    /// Records parts of a synthesis, in one submission.
-    fn record(&mut self, quilt: &Quilt, parts: &[std::ops::Range<usize>], seed: u32) {
+    /// Records a part of a synthesis, so many times in one submission.
+    fn record(&mut self, quilt: &Quilt, part: &Range<usize>, seed: u32, times: usize) {
         let recorded = self.runner.run(|recorder| {
-            parts.iter().for_each(|part| quilt.record_part(recorder, part.clone(), seed, 0));
+            (0..times).for_each(|_| quilt.record_part(recorder, part.clone(), seed, 0));
             Ok(())
         });
         recorded.expect("run");
@@ -195,20 +208,20 @@ fn every_synthesis_of_one_quilting_equals_the_oracle() {
         };
         let steps = quilt.parts(0);
         let whole = 0..steps.len();
-        bench.record(&quilt, std::slice::from_ref(&whole), 7);
+        bench.record(&quilt, &whole, 7, 1);
         expect(&mut bench, 7, "the first");
-        bench.record(&quilt, &[whole.clone(), whole.clone()], 8);
+        bench.record(&quilt, &whole, 8, 2);
         expect(&mut bench, 8, "twice in a row");
-        bench.record(&quilt, std::slice::from_ref(&whole), 9);
+        bench.record(&quilt, &whole, 9, 1);
         expect(&mut bench, 9, "another seed");
         // An odd number: a search without its placing, so that bounds are left.
         for steps in [1, 7, 11] {
-            bench.record(&quilt, std::slice::from_ref(&(0..steps)), 10);
-            bench.record(&quilt, std::slice::from_ref(&whole), 11);
+            bench.record(&quilt, &(0..steps), 10, 1);
+            bench.record(&quilt, &whole, 11, 1);
             expect(&mut bench, 11, "after one that was abandoned");
         }
         for step in steps {
-            bench.record(&quilt, &[step], 12);
+            bench.record(&quilt, &step, 12, 1);
         }
         expect(&mut bench, 12, "step by step");
     }
@@ -225,14 +238,14 @@ fn share_compared(bench: &mut Bench, case: &Case<'_>, columns: u32) -> f64 {
     let parts = quilt.parts(0);
     assert_eq!(parts.len(), 2 * waves.len(), "a search and a placing for each wave");
     for (wave, step) in waves.iter().zip(parts.chunks(2)) {
-        bench.record(&quilt, &step[..1], 1);
+        bench.record(&quilt, &step[0], 1, 1);
         let bounds = bench.bounds(&quilt);
         assert!(bounds[wave.len() * words..].iter().all(|b| *b == NO_BOUND), "bounds of blocks that there are not");
         if wave[0] != 0 {
             compared += bounds.iter().filter(|bound| **bound != NO_BOUND).count();
             all += wave.len() * tiles;
         }
-        bench.record(&quilt, &step[1..], 1);
+        bench.record(&quilt, &step[1], 1, 1);
         assert!(bench.bounds(&quilt).iter().all(|b| *b == NO_BOUND), "placed blocks leave bounds to the next wave");
     }
     compared as f64 / all as f64
