@@ -2,9 +2,9 @@
 //!
 //! `make bench` prints, for the 100,000-triangle skull where the sample data is at hand and the built-in head
 //! otherwise: the time of preparing, and for a 1024x1024 frame (or SIZE=1920x1080) the CPU time of the whole process
-//! (both cores and the driver's threads, from /proc), the time on the GPU and the wall time, beside the guide pass alone;
-//! then frames a second of a model that turns, by every technique, beside image-based synthesis of every frame anew.
-//! Nothing passes or fails by time; every round must give the bytes of the first.
+//! (both cores and the driver's threads, from /proc), the time on the GPU and the wall time, beside the guide pass
+//! alone; then frames a second of a model that turns, by every technique, beside image-based synthesis of every frame
+//! anew. Nothing passes or fails by time; every round must give the bytes of the first.
 
 use impasto::gpu::{Context, ContextOptions, Image, Recorder, Runner, Uploads};
 use impasto::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};

@@ -40,8 +40,8 @@ pub fn bricks(side: i32) -> Texels {
     })
 }
 
-/// Pebbles of many shades, dark where they meet, with noise: all positions fit about equally badly, so that bounds leave
-/// out least.
+/// Pebbles of many shades, dark where they meet, with noise: all positions fit about equally badly, so that bounds
+/// leave out least.
 pub fn gravel(side: i32) -> Texels {
     let mut numbers = Numbers(3);
     let pebbles: Vec<[i32; 3]> =

@@ -131,8 +131,8 @@ pub fn process(rounds: usize, arguments: &[&str]) -> Result {
     Ok(())
 }
 
-/// Operations per second that the device can do at most, by the multiply-adds of floats without loads: the median, which
-/// other work on the machine slows down as it does the stages.
+/// Operations per second that the device can do at most, by the multiply-adds of floats without loads: the median,
+/// which other work on the machine slows down as it does the stages.
 pub struct Arithmetic(f64);
 
 impl Arithmetic {

@@ -55,8 +55,8 @@ void overlap_part(Block block, uint fields, int part, int parts, int sx, int sy,
     // Where the fields begin and end. A block cut off by the output has no third field, nor a second if it is narrow.
     ivec2 first = min(ivec2(overlap), size);
     ivec2 second = max(first, push.tileable != 0 ? size - overlap : min(size, int(push.block_px) - overlap));
-    // Each rectangle of painted fields once. Rectangles are taken as large as they come, and fields that are not painted
-    // cost nothing: lavapipe runs what stands in a loop once more than it is needed.
+    // Each rectangle of painted fields once. Rectangles are taken as large as they come, and fields that are not
+    // painted cost nothing: lavapipe runs what stands in a loop once more than it is needed.
     for (uint left = fields & 511u; left != 0;) {
         int lowest = int(findLSB(left));
         int band = lowest < 3 ? 0 : lowest < 6 ? 1 : 2;

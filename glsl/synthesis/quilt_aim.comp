@@ -2,18 +2,18 @@
 // Pruned quilting, for the blocks of one wave: what their searches need to know first. Two things:
 //
 // A bound on the least error, from above. Where a neighbour is placed, the position from which its texture would go on
-// over this block is often the best of all. Where no neighbour's texture goes on within the sample (or within the window
-// of a guide), positions at random serve. The error there is that of overlap.glsl, pixel by pixel.
+// over this block is often the best of all. Where no neighbour's texture goes on within the sample (or within the
+// window of a guide), positions at random serve. The error there is that of overlap.glsl, pixel by pixel.
 //
 // The template of each block: the coordinates of what is painted in its overlaps. Strips are parts of the overlaps with
-// the neighbours to the left and above. One that is painted as a whole is projected to the orthonormal directions of the
-// sample's own strips; see src/synthesis/strips.rs for the directions, and for why what quilt_bound makes of the
-// coordinates is no more than the error. Another strip counts nothing, nor do overlaps to the right and below (of blocks
-// that close a ring): leaving something out makes a bound less tight, not wrong.
+// the neighbours to the left and above. One that is painted as a whole is projected to the orthonormal directions of
+// the sample's own strips; see src/synthesis/strips.rs for the directions, and for why what quilt_bound makes of the
+// coordinates is no more than the error. Another strip counts nothing, nor do overlaps to the right and below (of
+// blocks that close a ring): leaving something out makes a bound less tight, not wrong.
 //
 // One workgroup a block.
-// In:  sample, canvas, directions (a row for each coordinate that has one, a texel a pixel of its strip), blocks, order,
-//      strips.
+// In:  sample, canvas, directions (a row for each coordinate that has one, a texel a pixel of its strip), blocks,
+//      order, strips.
 // Out: templates, a column a block, four coordinates a texel; in the last row, what the bound has besides its products,
 //      the first column of the block's window, and how many columns that has. The least error found, after the groups'
 //      minima.
@@ -145,7 +145,8 @@ ivec2 continuing(uint neighbour, uint index, Block block) {
     Block other = blocks[cell.y * grid.x + cell.x];
     int sx = int(other.sx) + advance(other.x, block.x, by.x, push.output_width);
     int sy = int(other.sy) + advance(other.y, block.y, by.y, push.output_height);
-    bool allowed = sx >= int(block.sx0) && sx <= int(block.sx1) && sy >= 0 && sy + int(push.block_px) <= int(push.sample_height);
+    int last = int(push.sample_height - push.block_px);
+    bool allowed = sx >= int(block.sx0) && sx <= int(block.sx1) && sy >= 0 && sy <= last;
     return allowed ? ivec2(sx, sy) : ivec2(-1);
 }
 

@@ -7,7 +7,8 @@
 // that each coordinate that is loaded serves several products.
 // Without a guide, a dispatch has one chunk of blocks, whose templates stand in shared memory at places that are known
 // when the pipeline is made: lavapipe reads those once for all invocations.
-// In:  coordinates of the sample's strips at each position, texel below texel; templates, least errors known.  Out: tile_bounds.
+// In:  coordinates of the sample's strips at each position, texel below texel; templates, least errors known.
+// Out: tile_bounds.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "quilt.glsl"
@@ -22,7 +23,7 @@ layout(constant_id = 1) const uint BLOCKS = 8;
 const uint MAX_BLOCKS = 10;
 // Rows of positions of an invocation.
 layout(constant_id = 2) const uint ROWS = 1;
-// Whether each block is searched for within a window of its own; then STRIDE and BLOCKS are 1.
+// Whether each block is searched for within a window of its own; then BLOCKS is 1.
 layout(constant_id = 3) const bool WINDOWED = false;
 // A bit for each texel whose last word is the squared length of a strip.
 layout(constant_id = 4) const uint SQUARES = 0x88;

@@ -7,8 +7,8 @@
 // placed block holds, counts nothing. Thesis chapter 6 asks each
 // block to match the previous frame; texture that was carried along surrounds a block on any side.
 // Without a previous frame, what a position lacks of the contrast around it counts as error too: the sum of |c|^2 less
-// that of |a|^2, of colours less 128, if that is above 0. A quiet position is no nearer to strokes than other strokes are,
-// but half as far by squared differences; what must fit on all sides, frame after frame, would grow ever quieter.
+// that of |a|^2, of colours less 128, if that is above 0. A quiet position is no nearer to strokes than other strokes
+// are, but half as far by squared differences; what must fit on all sides, frame after frame, would grow ever quieter.
 // Arithmetic: both together are W |a|^2 - 2 a.B + C with W = w1 + w2, B = w1 c + w2 p. All colours are taken less 128,
 // which changes no difference, and sums of floats stay below 2^24 over CHUNK texels, so that they are exact: see
 // quilt_search, whose positions, groups and results these are. A workgroup first lists the chunks of the block that

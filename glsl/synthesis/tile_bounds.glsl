@@ -1,6 +1,6 @@
-// The least bound of the error in each tile of TILE neighbouring positions, in an image of words: the bits of a float, or
-// NO_BOUND where no position of the tile can be chosen. Tiles in raster order as of quilt_search. For shaders that have
-// declared `tile_bounds`.
+// The least bound of the error in each tile of TILE neighbouring positions, in an image of words: the bits of a float,
+// or NO_BOUND where no position of the tile can be chosen. Tiles in raster order as of quilt_search. For shaders that
+// have declared `tile_bounds`.
 
 const uint NO_BOUND = 0xffffffffu;
 

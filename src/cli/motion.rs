@@ -164,7 +164,8 @@ impl Motion {
         Ok(moment.fit_depth(mesh))
     }
 
-    /// What a frame shows that is to be reached from another, no further than to the next cut: the last frame before it.
+    /// What a frame shows that is to be reached from another, no further than to the next cut: the last frame before
+    /// it.
     pub fn ahead(&self, from: u32, to: u32, mesh: &Mesh) -> Result<Moment> {
         let cut = (from + 1..=to).find(|&frame| self.is_cut(frame));
         self.at(cut.map_or(to, |cut| cut - 1), mesh)

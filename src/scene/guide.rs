@@ -149,7 +149,8 @@ impl GuidePass {
     /// Records the pass.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
+    /// [`crate::Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded
+    /// then.
     pub fn record(&self, recorder: &mut Recorder<'_>, moment: &Moment) -> Result<()> {
         let runs = self.mesh.runs(moment, |_| ())?;
         let draw =

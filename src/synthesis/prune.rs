@@ -124,9 +124,9 @@ const WINDOWED_ROWS: u32 = 1;
 const BOUND_GROUP: [u32; 2] = [8, 16];
 /// More bytes of coordinates are not made.
 const MOST_BYTES: u64 = 256 << 20;
-/// Texels of eight coordinates for the strips on one side of a block: the first that leave out no more than a share of the
-/// squared lengths of strips. More coordinates cost more for every position, and leave fewer to be compared; these were
-/// found by trying.
+/// Texels of eight coordinates for the strips on one side of a block: the first that leave out no more than a share of
+/// the squared lengths of strips. More coordinates cost more for every position, and leave fewer to be compared; these
+/// were found by trying.
 const TEXELS: [(u32, f64); 3] = [(2, 0.3), (4, 0.21), (6, 1.0)];
 const MOST_TEXELS: u32 = 6;
 /// A strip shorter than this is not worth coordinates of its own, pixels.
@@ -280,7 +280,7 @@ impl Prune {
         let strips = strips(params, layout, windowed);
         // The host has as much to do as the driver's compiler.
         let bases = thread::scope(|scope| {
-            let compiling = scope.spawn(|| stages.compile(params));
+            let compiling = scope.spawn(|| stages.compile_pruned(params));
             let bases = find_bases(sample, &strips, windowed);
             join(compiling).map(|()| bases)
         })?;

@@ -492,8 +492,8 @@ fn group_comparisons(params: &QuiltParams) -> u64 {
     u64::from(GROUP * TILE) * pixels
 }
 
-/// The steps of waves with their cost in pixel comparisons. A search of all groups for `batch` blocks is one step, unless
-/// it can be cut: then a step has at most `most_groups`.
+/// The steps of waves with their cost in pixel comparisons. A search of all groups for `batch` blocks is one step,
+/// unless it can be cut: then a step has at most `most_groups`.
 fn steps(
     waves: &[Vec<u32>],
     (groups, group_cost): (u32, u64),

@@ -240,20 +240,27 @@ impl QuiltStages {
         self.path
     }
 
-    /// Compiles what any quilting with these parameters needs, so that making one takes less long.
+    /// Compiles what a quilting with these parameters may need, so that making one takes less long.
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`] when a call fails.
     pub fn compile(&self, params: &QuiltParams) -> Result<()> {
-        self.pipeline(&QUILT_GUIDE, &[])?;
         if self.path.may_prune() {
-            self.pipeline(&QUILT_PLACE, &[1, 1])?;
-            self.pipeline(&QUILT_COMPARE, &[chunk(params)])?;
-        } else {
+            self.compile_pruned(params)?;
+        }
+        if self.path.prune_from > 0 {
+            self.pipeline(&QUILT_GUIDE, &[])?;
             self.pipeline(&QUILT_PLACE, &[0, self.path.parts])?;
             self.pipeline(&QUILT_SEARCH, &[chunk(params), self.path.parts])?;
         }
         Ok(())
+    }
+
+    /// Compiles what a pruned quilting needs whatever its sample is.
+    pub(super) fn compile_pruned(&self, params: &QuiltParams) -> Result<()> {
+        self.pipeline(&QUILT_GUIDE, &[])?;
+        self.pipeline(&QUILT_PLACE, &[1, 1])?;
+        self.pipeline(&QUILT_COMPARE, &[chunk(params)]).map(drop)
     }
 
     /// The pipeline of a shader with these specialisation constants.

@@ -187,8 +187,8 @@ fn compared_rows(input: &OracleRepair, frame: u32) -> (u32, u32) {
     (frame % row_step, row_step)
 }
 
-/// What a block lacks of the contrast of the colours under it, where there are any: by how much their squared differences
-/// from the middle grey, 128, add up to more than its own.
+/// What a block lacks of the contrast of the colours under it, where there are any: by how much their squared
+/// differences from the middle grey, 128, add up to more than its own.
 fn missing_contrast(under: &[Option<[u8; 3]>], block: &[[u8; 3]]) -> u32 {
     let contrast = |color: [u8; 3]| color.map(|value| u32::from(value.abs_diff(128)).pow(2)).iter().sum::<u32>();
     let pairs = under.iter().zip(block).filter_map(|(under, own)| Some(((*under)?, *own)));

@@ -7,7 +7,7 @@ use crate::{Error, Result};
 const PRUNED_COMPARISONS: u64 = 100_000_000;
 
 /// A block with fewer costs about as much pruned as not: there is as much to do for it whatever its positions are.
-const PRUNED_BLOCK: u64 = 2_000_000;
+const PRUNED_BLOCK: u64 = 3_000_000;
 
 /// How to search. The texture is the same.
 ///

@@ -82,8 +82,8 @@ pub(crate) struct StripBasis {
     pub weights: Vec<f32>,
     /// What makes bounds safe against rounding (see the module).
     pub margin: f32,
-    /// Of the squared lengths of the strips that the directions were found from, the share that the first, the first two
-    /// ... of them hold.
+    /// Of the squared lengths of the strips that the directions were found from, the share that the first, the first
+    /// two ... of them hold.
     held: Vec<f64>,
     reduction: Reduction,
     /// The directions in the reduced space: for each layer, for each tap, a weight for each of four components.
@@ -93,8 +93,8 @@ pub(crate) struct StripBasis {
 impl StripBasis {
     /// Finds the main directions of a sample's own strips.
     ///
-    /// `texels` are RGBA, row by row, `size` = (width, height) of them; the shape fits in. `components` is K; K + 3 is a
-    /// multiple of 8.
+    /// `texels` are RGBA, row by row, `size` = (width, height) of them; the shape fits in. `components` is K; K + 3 is
+    /// a multiple of 8.
     ///
     /// Any orthonormal directions give safe bounds, so they are found fast rather than well: from some hundred strips,
     /// in the reduced space, by a few rounds of subspace iteration.
@@ -150,8 +150,9 @@ impl StripBasis {
     /// Coordinates of the strips whose top left pixels are `first` + (i, j), i < `count.0`, j < `count.1`.
     ///
     /// Layer by layer, each of `count.0 * count.1` texels row by row, a texel four coordinates, (K + 3) / 4 layers. A
-    /// strip x has the coordinates `c_0 ... c_(K-1)`, 0, `r = sqrt(max(n (1 + margin) - |c|^2, 0))` and `n (1 - margin)`.
-    /// Against `-2 c ... , 0, -2 r, 1` of a strip y, with `n_y (1 - margin)` added, they bound |x - y|^2 from below.
+    /// strip x has the coordinates `c_0 ... c_(K-1)`, 0, `r = sqrt(max(n (1 + margin) - |c|^2, 0))` and `n (1 -
+    /// margin)`. Against `-2 c ... , 0, -2 r, 1` of a strip y, with `n_y (1 - margin)` added, they bound |x - y|^2 from
+    /// below.
     ///
     /// The strips lie inside of the picture `texels`, RGBA, row by row, `size` = (width, height) of them.
     pub fn coordinates(

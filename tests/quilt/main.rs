@@ -129,8 +129,8 @@ impl Bench {
         Bench { runner: gpu.runner(), stages, others: Vec::new(), gpu }
     }
 
-    /// Checks every case for a pruned search too, and for each way to share a tile of positions, as all kinds of devices
-    /// do it.
+    /// Checks every case for a pruned search too, and for each way to share a tile of positions, as all kinds of
+    /// devices do it.
     fn of_every_search() -> Self {
         let mut bench = Bench::of_a_pruned_search();
         let parted = [("1 part", 1), ("2 parts", 2), ("4 parts", 4), ("8 parts", 8)];

@@ -47,7 +47,8 @@ pub fn strokes(size: (u32, u32)) -> Vec<Texel> {
     })
 }
 
-/// The last row and column of blocks lack 1, 2, 3 ... pixels, so that strips are whole, in two parts, or of no use there.
+/// The last row and column of blocks lack 1, 2, 3 ... pixels, so that strips are whole, in two parts, or of no use
+/// there.
 #[test]
 fn blocks_that_the_output_cuts_off_equal_the_oracle() {
     let mut bench = Bench::of_a_pruned_search();
