@@ -13,17 +13,13 @@ const NO_BOUND: [u8; 4] = [255; 4];
 const BOUND_WORDS: u64 = 1024;
 const GROUP: u64 = 128;
 
-/// FILL IN: coordinates of a position in a pruned search, those of both strips. Not public yet, so it is repeated here
-/// from src/synthesis/prune.rs (STRIPS * 4 * LAYERS).
-pub const fn coordinates_of_a_position() -> u64 {
-    64
-}
-
 /// Of one quilting, free and not tileable.
 #[derive(Default)]
 pub struct Counts {
     /// At which a block is searched for.
     pub positions: u64,
+    /// Of a position, by which a pruned search bounds its error.
+    pub coordinates: u64,
     /// That have an overlap.
     pub blocks: u64,
     /// Of all blocks; whole ones, as both searches take them.
@@ -63,6 +59,7 @@ impl Counts {
     ) -> Result<Option<Self>> {
         let Some(image) = quilt.tile_bounds() else { return Ok(None) };
         let mut counts = Counts::of_full_search(quilt, params, side);
+        counts.coordinates = quilt.coordinates().unwrap_or_default().into();
         let layout = quilt.layout();
         let order: Vec<u32> = layout.waves.iter().flatten().copied().collect();
         let tiles = counts.tiles / counts.blocks.max(1);
@@ -97,7 +94,7 @@ impl Counts {
 
     /// Operations of `quilt_bound`: a multiply-add for each coordinate.
     pub fn bound_operations(&self) -> f64 {
-        (2 * self.positions * self.blocks * coordinates_of_a_position()) as f64
+        (2 * self.positions * self.blocks * self.coordinates) as f64
     }
 
     pub fn print(&self) {
@@ -106,7 +103,7 @@ impl Counts {
             "  bounds: {} positions x {} blocks x {} coordinates = {:.3} G multiply-adds",
             self.positions,
             self.blocks,
-            coordinates_of_a_position(),
+            self.coordinates,
             self.bound_operations() / 2e9
         );
         println!(

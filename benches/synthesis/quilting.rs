@@ -4,6 +4,7 @@ use crate::counts::Counts;
 use crate::textures::{brush, Texels};
 use crate::timing::{measure, process, take_rounds, Arithmetic, Measured, Spread};
 use crate::{plain_cpu, Bench, Result, PART};
+use impasto::gpu::ceilings::What;
 use impasto::gpu::{Context, Runner, Uploads};
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::{Pruning, Quilt, QuiltStages, SampleTexels};
@@ -111,13 +112,13 @@ impl Job {
 
 /// The rate of a stage whose operations are known. A pixel comparison is three multiplications and three additions.
 fn rate(arithmetic: &Arithmetic, stage: &str, seconds: f64, counts: &Counts) -> String {
-    let operations = match stage {
-        "quilt_search" => 6.0 * counts.comparisons as f64,
-        "quilt_bound" => counts.bound_operations(),
-        "quilt_compare" => 6.0 * counts.comparisons_left as f64,
+    let (operations, path) = match stage {
+        "quilt_search" => (6.0 * counts.comparisons as f64, What::SearchPath),
+        "quilt_bound" => (counts.bound_operations(), What::ProductPath),
+        "quilt_compare" => (6.0 * counts.comparisons_left as f64, What::SearchPath),
         _ => return String::new(),
     };
-    arithmetic.share(operations, seconds)
+    arithmetic.share(operations, seconds, path)
 }
 
 fn synthesise(runner: &mut Runner, quilt: &Quilt, count: usize) -> Result<Measured> {

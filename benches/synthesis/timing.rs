@@ -131,15 +131,15 @@ pub fn process(rounds: usize, arguments: &[&str]) -> Result {
     Ok(())
 }
 
-/// Operations per second that the device can do at most, by the multiply-adds of floats without loads: the median,
-/// which other work on the machine slows down as it does the stages.
-pub struct Arithmetic(f64);
+/// Operations per second that the device can do at most: the medians, which other work on the machine slows down as it
+/// does the stages.
+pub struct Arithmetic(Vec<(What, f64)>);
 
 impl Arithmetic {
     /// Measures it, and prints it beside the other ceilings of the search.
     pub fn measure(context: &Context, runner: &mut Runner) -> Result<Self> {
         let wanted = [What::Float, What::SearchPath, What::ProductPath, What::CopyWords];
-        let mut most = 0.0;
+        let mut rates = Vec::new();
         println!("ceilings, median / best:");
         for ceiling in measure_ceilings(runner, &wanted, &Effort::full(context))? {
             let rate = ceiling.rate();
@@ -149,16 +149,18 @@ impl Arithmetic {
             };
             let name = format!("{:?}{size}", ceiling.what);
             println!("  {name:18} {:.1} / {:.1} {unit}", rate.median / 1e9, rate.best / 1e9);
-            if ceiling.what == What::Float {
-                most = rate.median;
-            }
+            rates.push((ceiling.what, rate.median));
         }
-        Ok(Arithmetic(most))
+        Ok(Arithmetic(rates))
     }
 
-    /// The rate of so many operations in so many seconds, and its share of the most.
-    pub fn share(&self, operations: f64, seconds: f64) -> String {
+    /// The rate of so many operations in so many seconds, and its share of the most without loads and by `path`.
+    pub fn share(&self, operations: f64, seconds: f64, path: What) -> String {
         let rate = operations / seconds;
-        format!(", {:.2} Gop/s, {:.1} % of Float", rate / 1e9, 100.0 * rate / self.0)
+        let share = |of: What| {
+            let most = self.0.iter().find(|(what, _)| *what == of).map_or(f64::NAN, |(_, most)| *most);
+            format!("{:.1} % of {of:?}", 100.0 * rate / most)
+        };
+        format!(", {:.2} Gop/s, {}, {}", rate / 1e9, share(path), share(What::Float))
     }
 }

@@ -240,6 +240,8 @@ pub(super) struct Prune {
     compare: Stage,
     tile_bounds: Image,
     strips: u32,
+    /// Texels of eight coordinates that a position has.
+    texels: u32,
     centre: [f32; 3],
     /// Columns and rows of positions.
     positions: [u32; 2],
@@ -339,12 +341,18 @@ impl Prune {
             compare: Stage::new(context, compare, &[&compared[..], &picked, &errors].concat())?,
             tile_bounds,
             strips: data.len() as u32,
+            texels,
             centre: bases.first().map_or([0.0; 3], |basis| basis.centre),
             positions,
             windowed,
             bound_rows,
             first_least: batch * groups_per_block,
         })
+    }
+
+    /// How many coordinates a position has.
+    pub fn coordinates(&self) -> u32 {
+        8 * self.texels
     }
 
     /// Rows of [`Prune::tile_bounds`] that a block has.

@@ -290,6 +290,15 @@ impl Quilt {
         }
     }
 
+    /// How many coordinates a position of the sample has, by which its error is bounded, if the search is pruned.
+    pub fn coordinates(&self) -> Option<u32> {
+        if let Search::Pruned(prune) = &self.waves.search {
+            Some(prune.coordinates())
+        } else {
+            None
+        }
+    }
+
     /// The grid of blocks.
     pub fn layout(&self) -> &Layout {
         &self.layout
