@@ -59,7 +59,6 @@ layout(push_constant) uniform Push {
 } push;
 
 #include "prune.glsl"
-#include "block.glsl"
 #include "fields.glsl"
 
 // Positions whose errors are compared, one for each neighbour, and invocations that share one.
@@ -247,7 +246,7 @@ void describe(uint slot, uint index, Block block, bool pending) {
 void main() {
     uint slot = gl_WorkGroupID.x;
     uint index = order[push.first_block + slot];
-    Block block = load_block(index);
+    Block block = blocks[index];
     bool pending = block.state == STATE_PENDING;
     describe(slot, index, block, pending);
     if (pending) {

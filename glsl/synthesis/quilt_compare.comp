@@ -27,7 +27,6 @@ const uint SPAN = 16;
 const uint PROMISING = 8;
 
 #include "search_push.glsl"
-#include "block.glsl"
 #include "fields.glsl"
 #include "overlap.glsl"
 #include "tile_bounds.glsl"
@@ -61,7 +60,7 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint slot = gl_WorkGroupID.y;
     uint index = order[push.first_block + slot];
-    Block block = load_block(index);
+    Block block = blocks[index];
     if (block.state != STATE_PENDING) {
         return;
     }

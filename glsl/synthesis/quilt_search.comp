@@ -27,7 +27,6 @@ layout(constant_id = 1) const uint PARTS = 1;
 const uint TILES = GROUP / PARTS;
 
 #include "search_push.glsl"
-#include "block.glsl"
 #include "fields.glsl"
 #include "overlap.glsl"
 
@@ -39,7 +38,7 @@ void main() {
     uint lane = gl_LocalInvocationID.x;
     uint slot = gl_WorkGroupID.y;
     uint index = order[push.first_block + slot];
-    Block block = load_block(index);
+    Block block = blocks[index];
     if (block.state != STATE_PENDING) {
         return;
     }

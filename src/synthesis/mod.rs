@@ -11,11 +11,13 @@
 
 pub mod calibrate;
 pub mod params;
+mod principal;
 pub(crate) mod prune;
 pub mod quilt;
 pub mod quilt_oracle;
 #[doc(hidden)]
 pub mod quilt_stages;
+mod reduction;
 pub mod repair;
 pub mod repair_oracle;
 pub(crate) mod sample;

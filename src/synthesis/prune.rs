@@ -442,7 +442,7 @@ fn bounds(windowed: bool, batch: u32) -> &'static [(u32, u32)] {
     }
 }
 
-/// The strips as `quilt_template` reads them, but for the steps of their coordinates.
+/// The strips as `quilt_aim` reads them, but for the steps of their coordinates.
 fn strip_data(strips: &[Strip], bases: &[StripBasis]) -> Vec<StripData> {
     let mut first = 0;
     let data = strips.iter().zip(bases).map(|(strip, basis)| {
@@ -463,7 +463,7 @@ fn strip_data(strips: &[Strip], bases: &[StripBasis]) -> Vec<StripData> {
     data.collect()
 }
 
-/// The directions as `quilt_template` reads them: for each coordinate a row, a texel for each pixel of its strip.
+/// The directions as `quilt_aim` reads them: for each coordinate a row, a texel for each pixel of its strip.
 fn direction_rows(bases: &[StripBasis], texels: u32) -> ((u32, u32), Vec<[f32; 4]>) {
     let pixels = |basis: &StripBasis| (basis.shape.width * basis.shape.height) as usize;
     let width = bases.iter().map(pixels).max().unwrap_or(1);

@@ -283,19 +283,18 @@ impl Quilt {
     /// Which tiles of eight positions were compared for the last step that was recorded, if the search is pruned:
     /// R32_UINT, 2^32 - 1 for those that were not, 1,024 tiles to a row, whole rows for each block of the step.
     pub fn tile_bounds(&self) -> Option<&Image> {
-        if let Search::Pruned(prune) = &self.waves.search {
-            Some(prune.tile_bounds())
-        } else {
-            None
-        }
+        self.pruned().map(Prune::tile_bounds)
     }
 
     /// How many coordinates a position of the sample has, by which its error is bounded, if the search is pruned.
     pub fn coordinates(&self) -> Option<u32> {
-        if let Search::Pruned(prune) = &self.waves.search {
-            Some(prune.coordinates())
-        } else {
-            None
+        self.pruned().map(Prune::coordinates)
+    }
+
+    fn pruned(&self) -> Option<&Prune> {
+        match &self.waves.search {
+            Search::Pruned(prune) => Some(prune),
+            _ => None,
         }
     }
 
@@ -304,7 +303,8 @@ impl Quilt {
         &self.layout
     }
 
-    /// Pixel comparisons of the whole search, an upper bound where a guide skips blocks.
+    /// Pixel comparisons of the whole search, an upper bound where a guide skips blocks; of a pruned one a rough estimate
+    /// of what it costs.
     pub fn comparisons(&self) -> u64 {
         self.waves.steps.iter().filter(|(step, _)| matches!(step, Step::Search { .. })).map(|(_, cost)| cost).sum()
     }
@@ -350,7 +350,7 @@ impl Quilt {
             recorder.copy_image("quilt_previous", &self.canvas, previous);
         }
         recorder.clear_images("quilt_clear", &[&self.canvas, &self.source]);
-        if let Search::Pruned(prune) = &self.waves.search {
+        if let Some(prune) = self.pruned() {
             prune.record_begin(recorder);
         }
         let push = GuidePush {
@@ -422,7 +422,7 @@ impl Quilt {
                 Step::Place { blocks } => {
                     let mut push = self.place_push(blocks.start, rows, self.params.tolerance, seed, frame);
                     let count = [blocks.len() as u32, 1, 1];
-                    if let Search::Pruned(prune) = &self.waves.search {
+                    if let Some(prune) = self.pruned() {
                         push.bound_rows = prune.bound_rows();
                     }
                     recorder.dispatch(&self.waves.place.pipeline, &self.waves.place.set, &push, count);
