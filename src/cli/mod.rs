@@ -9,6 +9,7 @@
 //! ```
 
 mod animate;
+mod bench;
 mod blocks;
 mod builtin;
 mod calm;
