@@ -35,14 +35,12 @@ enum State {
     Failed(String),
 }
 
-/// A frame, as the host wants it.
+/// A frame, as the host wants it. Where camera and objects were in the frame before the effect remembers; a host may
+/// shift the origin of its world in between, as long as camera and poses move with it.
 #[derive(Clone, Copy)]
 pub struct EffectFrame<'a> {
     /// Camera, lights and poses.
     pub moment: &'a Moment,
-    /// Camera and poses of the frame that was recorded last, if they are not what was given then: a host that has
-    /// shifted the origin of its world since says here how that frame lies in the new one.
-    pub previous: Option<&'a Moment>,
     /// The frame has nothing to do with the one before: a cut, or a jump of the camera.
     pub reset: bool,
     /// The seed of what is synthesised for this frame. The same in all frames is what a sequence wants.
@@ -54,7 +52,7 @@ pub struct EffectFrame<'a> {
 impl<'a> EffectFrame<'a> {
     /// A painted frame that goes on from the last one.
     pub fn next(moment: &'a Moment) -> Self {
-        EffectFrame { moment, previous: None, reset: false, seed: 1, show: Show::Painted }
+        EffectFrame { moment, reset: false, seed: 1, show: Show::Painted }
     }
 }
 
@@ -133,13 +131,8 @@ impl Effect {
             return Err(Error::Device("the effect is not ready: its preparation is not over".to_owned()));
         };
         let (now, size) = (frame.moment, self.size_px);
-        let aspect = size.0 as f32 / size.1 as f32;
-        now.camera.projection(aspect)?;
+        now.camera.projection(size.0 as f32 / size.1 as f32)?;
         let before = if frame.reset { None } else { self.last.as_ref() };
-        let before = before.map(|last| frame.previous.unwrap_or(last));
-        if let Some(before) = before {
-            before.camera.projection(aspect)?;
-        }
         match prepared {
             Prepared::Object(technique, range) => technique.record(recorder, now, *range, frame.show)?,
             Prepared::Image(guides, motion, technique) => {

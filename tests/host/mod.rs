@@ -319,13 +319,28 @@ impl Host {
 
     /// The texels (four bytes each) of a colour image that lies in `layout`, and is left in it.
     pub fn read_image(&self, image: vk::Image, layout: vk::ImageLayout, size: (u32, u32)) -> Vec<u8> {
+        self.read(image, vk::ImageAspectFlags::COLOR, layout, size)
+    }
+
+    /// The same of an image of the host's own, colour or depth.
+    pub fn read_own(&self, image: &HostImage, layout: vk::ImageLayout) -> Vec<u8> {
+        self.read(image.image, aspect(image.format), layout, image.size)
+    }
+
+    pub fn read(
+        &self,
+        image: vk::Image,
+        aspect: vk::ImageAspectFlags,
+        layout: vk::ImageLayout,
+        size: (u32, u32),
+    ) -> Vec<u8> {
         let buffer = self.buffer(u64::from(size.0 * size.1) * 4, vk::BufferUsageFlags::TRANSFER_DST);
-        let (from, color) = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageAspectFlags::COLOR);
+        let from = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         self.run(|commands| {
-            self.barrier(commands, image, color, [layout, from]);
-            let region = [region(size, color)];
+            self.barrier(commands, image, aspect, [layout, from]);
+            let region = [region(size, aspect)];
             unsafe { self.device.cmd_copy_image_to_buffer(commands, image, from, buffer.buffer, &region) };
-            self.barrier(commands, image, color, [from, layout]);
+            self.barrier(commands, image, aspect, [from, layout]);
         });
         let bytes = self.map(&buffer, |bytes| bytes.to_vec());
         self.destroy_buffer(buffer);
