@@ -30,7 +30,7 @@ pub struct Effect {
 
 enum State {
     Preparing(Desk, Option<JoinHandle<Result<Prepared>>>),
-    Ready(Prepared),
+    Ready(Box<Prepared>),
     /// With what was told of it.
     Failed(String),
 }
@@ -95,7 +95,7 @@ impl Effect {
                     Err(Error::Device("the preparing thread panicked: this is a fault in impasto".to_owned()))
                 });
                 match result {
-                    Ok(prepared) => self.state = State::Ready(prepared),
+                    Ok(prepared) => self.state = State::Ready(Box::new(prepared)),
                     Err(error) => {
                         self.state = State::Failed(error.to_string());
                         return Err(error);
@@ -133,7 +133,7 @@ impl Effect {
         let (now, size) = (frame.moment, self.size_px);
         now.camera.projection(size.0 as f32 / size.1 as f32)?;
         let before = if frame.reset { None } else { self.last.as_ref() };
-        match prepared {
+        match &mut **prepared {
             Prepared::Object(technique, range) => technique.record(recorder, now, *range, frame.show)?,
             Prepared::Image(guides, motion, technique) => {
                 guides.record(recorder, now)?;
