@@ -7,6 +7,7 @@
 use super::caps::{describe, offers_integer_dot_product, Caps, DeviceChoice, DeviceInfo};
 use super::memory::Garbage;
 use super::pipeline::PipelineCacheFile;
+use super::requirements::requirements;
 use super::validation;
 use crate::{Error, Result};
 use ash::vk;
@@ -296,6 +297,8 @@ impl Context {
         let missing = || Error::Device(format!("{} has no queue that draws and computes", picked.name));
         let physical = devices.iter().find(|(_, info)| *info == picked).map(|(p, _)| *p).ok_or_else(missing)?;
         let family = queue_family(&loader.instance, physical).ok_or_else(missing)?;
+        // SAFETY: the instance is live and of version 1.1, and the device one of its.
+        unsafe { requirements().check(&loader.instance, physical, family) }?;
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
         // The one thing that is turned on where it is offered; no stage needs it.
@@ -319,16 +322,11 @@ impl Context {
     /// clone of the context is dropped, the GPU must be done with all that was recorded through it.
     ///
     /// # Errors
-    /// [`Error::Device`] when the device is older than Vulkan 1.1.
+    /// [`Error::Device`] when the device or the queue family lacks something of [`requirements`].
     pub unsafe fn from_host(host: HostDevice) -> Result<Self> {
+        // SAFETY: the caller promises live handles that belong together.
+        unsafe { requirements().check(&host.instance, host.physical_device, host.queue_family) }?;
         let info = describe(&host.instance, host.physical_device, 0);
-        if info.api_version < super::API_VERSION {
-            return Err(Error::Device(format!(
-                "{} offers Vulkan {}, 1.1 is needed",
-                info.name,
-                info.api_version_text()
-            )));
-        }
         let debug = host.debug_utils.then(|| ash::ext::debug_utils::Device::new(&host.instance, &host.device));
         let mut inner =
             Inner::new(&host.instance, host.physical_device, host.device, host.queue_family, info, host.memory_budget)?;

@@ -14,6 +14,7 @@ mod memory;
 mod pipeline;
 mod recorder;
 mod render_pass;
+mod requirements;
 mod runner;
 mod timing;
 mod upload;
@@ -30,6 +31,7 @@ pub use recorder::Recorder;
 pub(crate) use render_pass::{
     Attachment, Draw, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, Role, VertexAttribute,
 };
+pub use requirements::{requirements, Format, Limits, Requirements};
 pub use runner::Runner;
 pub use timing::{PassTime, PassTimer};
 pub use upload::Uploads;
