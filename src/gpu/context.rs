@@ -13,7 +13,7 @@ use crate::{Error, Result};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// How grave a message to the log is.
@@ -25,7 +25,9 @@ pub enum LogLevel {
     Warning,
 }
 
-/// Where messages go; may be called from any thread. The library itself prints nothing.
+/// Where messages go: what could not be answered with an error, as from a destructor, and that a device was lost. The
+/// library itself prints nothing. May be called from any thread, also while another call of it has not returned, and
+/// from within any call of the library; it must not panic, nor call the library.
 pub type LogCallback = Arc<dyn Fn(LogLevel, &str) + Send + Sync>;
 
 /// How to make a [`Context`] with a device of its own.
@@ -62,6 +64,8 @@ pub struct HostDevice {
     pub debug_utils: bool,
     /// Bytes of GPU memory that the context may take; `None`: 4 GiB.
     pub memory_budget: Option<u64>,
+    /// Where messages go; `None`: nowhere.
+    pub log: Option<LogCallback>,
 }
 
 impl HostDevice {
@@ -92,6 +96,7 @@ impl HostDevice {
             pipeline_cache: vk::PipelineCache::null(),
             debug_utils: false,
             memory_budget: None,
+            log: None,
         }
     }
 }
@@ -207,9 +212,12 @@ fn queue_family(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Optio
     families.iter().position(|f| f.queue_flags.contains(both)).map(|i| i as u32)
 }
 
-/// Turns a Vulkan result into our error, naming the call.
+/// Turns a Vulkan result into our error, naming the call. Where there is a context it has to know: `Context::failed`.
 pub(crate) fn vulkan(call: &'static str) -> impl Fn(vk::Result) -> Error {
-    move |result| Error::Vulkan { call, result }
+    move |result| match result {
+        vk::Result::ERROR_DEVICE_LOST => Error::DeviceLost,
+        result => Error::Vulkan { call, result },
+    }
 }
 
 /// A device to work with; cheap to clone, all clones are the same context.
@@ -239,6 +247,9 @@ pub(crate) struct Inner {
     graveyard: Mutex<Vec<(u64, Garbage)>>,
     frame: AtomicU64,
     next_id: AtomicU64,
+    log: Option<LogCallback>,
+    /// The device is lost; nothing is asked of it any more.
+    lost: AtomicBool,
     /// Held by a runner from recording to the end of its wait: the queue may be used by one thread at a time.
     pub running: Mutex<()>,
 }
@@ -269,6 +280,7 @@ impl Context {
                     }
                 };
                 inner.queue = queue;
+                inner.log = options.log.clone();
                 inner.caps.integer_dot_product = offers_integer_dot_product(&loader.instance, physical);
                 if loader.debug_utils {
                     inner.debug_utils = Some(ash::ext::debug_utils::Device::new(&inner.instance, &inner.device));
@@ -333,6 +345,7 @@ impl Context {
         inner.enabled_features = host.enabled_features;
         inner.pipeline_cache = host.pipeline_cache;
         inner.debug_utils = debug;
+        inner.log = host.log;
         Ok(Context { inner: Arc::new(inner) })
     }
 
@@ -367,6 +380,55 @@ impl Context {
         self.inner.destroy(safe);
     }
 
+    /// Takes note that the device is lost, as a host learns from its own calls (`VK_ERROR_DEVICE_LOST`); what the
+    /// library's calls answer it notes itself. From here on whatever would call Vulkan fails with
+    /// [`Error::DeviceLost`]. A lost device has nothing in flight: what was dropped before is destroyed now, and what is
+    /// dropped later at once, without a wait.
+    pub fn device_lost(&self) {
+        if !self.inner.lost.swap(true, Ordering::Relaxed) {
+            self.log(LogLevel::Error, &format!("{}: {}", self.inner.info.name, Error::DeviceLost));
+        }
+        let garbage = std::mem::take(&mut *lock(&self.inner.graveyard));
+        self.inner.destroy(garbage);
+    }
+
+    /// Whether the device is known to be lost.
+    pub fn is_device_lost(&self) -> bool {
+        self.inner.lost.load(Ordering::Relaxed)
+    }
+
+    /// The device for a call that may fail.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`] when the device is lost.
+    pub(crate) fn usable(&self) -> Result<&ash::Device> {
+        match self.is_device_lost() {
+            true => Err(Error::DeviceLost),
+            false => Ok(self.device()),
+        }
+    }
+
+    /// Turns what a Vulkan call answered into our error, and takes note when it is that the device is lost.
+    pub(crate) fn failed(&self, call: &'static str) -> impl Fn(vk::Result) -> Error + '_ {
+        move |result| {
+            if result == vk::Result::ERROR_DEVICE_LOST {
+                self.device_lost();
+            }
+            vulkan(call)(result)
+        }
+    }
+
+    /// Waits until nothing is in flight on a device of our own; on a lost one nothing is. Its errors have no other way
+    /// than the log, as it is for destructors.
+    pub(crate) fn wait_idle(&self) {
+        self.inner.wait_idle();
+    }
+
+    /// Tells the host something that no error can carry.
+    pub(crate) fn log(&self, level: LogLevel, text: &str) {
+        self.inner.log(level, text);
+    }
+
     /// The current frame's number.
     pub(crate) fn frame(&self) -> u64 {
         self.inner.frame.load(Ordering::Relaxed)
@@ -380,9 +442,13 @@ impl Context {
         &self.inner.device
     }
 
-    /// Hands over something to be destroyed when the frame that is recorded now is safe.
+    /// Hands over something to be destroyed when the frame that is recorded now is safe: at once on a lost device.
     pub(crate) fn bury(&self, garbage: Garbage) {
-        lock(&self.inner.graveyard).push((self.frame(), garbage));
+        if self.is_device_lost() {
+            self.inner.destroy(vec![(self.frame(), garbage)]);
+        } else {
+            lock(&self.inner.graveyard).push((self.frame(), garbage));
+        }
     }
 
     pub(crate) fn next_id(&self) -> u64 {
@@ -442,8 +508,26 @@ impl Inner {
             graveyard: Mutex::new(Vec::new()),
             frame: AtomicU64::new(1),
             next_id: AtomicU64::new(1),
+            log: None,
+            lost: AtomicBool::new(false),
             running: Mutex::new(()),
         })
+    }
+
+    fn log(&self, level: LogLevel, text: &str) {
+        if let Some(log) = &self.log {
+            log(level, text);
+        }
+    }
+
+    fn wait_idle(&self) {
+        if self.lost.load(Ordering::Relaxed) {
+            return;
+        }
+        // SAFETY: the device is ours, and callers keep other threads off its queue.
+        if let Err(result) = unsafe { self.device.device_wait_idle() } {
+            self.log(LogLevel::Error, &vulkan("vkDeviceWaitIdle")(result).to_string());
+        }
     }
 
     fn destroy(&self, garbage: Vec<(u64, Garbage)>) {
@@ -459,15 +543,14 @@ impl Inner {
 impl Drop for Inner {
     fn drop(&mut self) {
         if self.loader.is_some() {
-            // SAFETY: the device is ours. A lost device has nothing in flight either.
-            let _ = unsafe { self.device.device_wait_idle() };
+            self.wait_idle();
         }
         let garbage = std::mem::take(&mut *lock(&self.graveyard));
         self.destroy(garbage);
         // The allocator frees its memory blocks while the device still lives.
         drop(lock(&self.allocator).take());
         if let Some(loader) = self.loader.take() {
-            if let Some(file) = &self.cache_file {
+            if let Some(file) = self.cache_file.as_ref().filter(|_| !*self.lost.get_mut()) {
                 file.save(&self.device, self.pipeline_cache);
             }
             // SAFETY: everything made from the device is gone: the last clone of the context is being dropped, and

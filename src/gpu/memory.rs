@@ -1,7 +1,7 @@
 //! Buffers and images: named, counted against the context's budget, freed only when the GPU is done with them.
 
 use super::access::ResourceState;
-use super::context::{lock, vulkan, Context};
+use super::context::{lock, Context};
 use crate::{Error, Result};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
@@ -148,11 +148,11 @@ impl BufferInner {
         }
         // Before Vulkan sees it: drivers need not take any size, and would not say what it was for.
         check_budget(context, name, bytes)?;
-        let device = context.device();
+        let device = context.usable()?;
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
         // SAFETY: a plain creation on a live device.
         let (handle, requirements) = unsafe {
-            let handle = device.create_buffer(&info, None).map_err(vulkan("vkCreateBuffer"))?;
+            let handle = device.create_buffer(&info, None).map_err(context.failed("vkCreateBuffer"))?;
             (handle, device.get_buffer_memory_requirements(handle))
         };
         // From here on dropping `buffer` frees what there is of it.
@@ -167,7 +167,7 @@ impl BufferInner {
         let allocation = buffer.allocation.insert(allocate(context, name, requirements, location, true)?);
         // SAFETY: the memory was allocated for this buffer's requirements and is bound once.
         unsafe { device.bind_buffer_memory(handle, allocation.memory(), allocation.offset()) }
-            .map_err(vulkan("vkBindBufferMemory"))?;
+            .map_err(context.failed("vkBindBufferMemory"))?;
         context.name(handle, name);
         Ok(buffer)
     }
@@ -251,7 +251,7 @@ impl Image {
                 format!("1 to {limit} pixels a side on this device"),
             ));
         }
-        let device = context.device();
+        let device = context.usable()?;
         let (kind, view_kind) = match depth {
             1 => (vk::ImageType::TYPE_2D, vk::ImageViewType::TYPE_2D),
             _ => (vk::ImageType::TYPE_3D, vk::ImageViewType::TYPE_3D),
@@ -266,7 +266,7 @@ impl Image {
             .usage(desc.usage);
         // SAFETY: a plain creation on a live device.
         let (handle, requirements) = unsafe {
-            let handle = device.create_image(&info, None).map_err(vulkan("vkCreateImage"))?;
+            let handle = device.create_image(&info, None).map_err(context.failed("vkCreateImage"))?;
             (handle, device.get_image_memory_requirements(handle))
         };
         // From here on dropping `image` frees what there is of it.
@@ -284,14 +284,14 @@ impl Image {
         let allocation = image.allocation.insert(memory);
         // SAFETY: the memory was allocated for this image's requirements and is bound once.
         unsafe { device.bind_image_memory(handle, allocation.memory(), allocation.offset()) }
-            .map_err(vulkan("vkBindImageMemory"))?;
+            .map_err(context.failed("vkBindImageMemory"))?;
         let view = vk::ImageViewCreateInfo::default()
             .image(handle)
             .view_type(view_kind)
             .format(desc.format)
             .subresource_range(whole_range(desc.format));
         // SAFETY: the image is live and bound.
-        image.view = unsafe { device.create_image_view(&view, None) }.map_err(vulkan("vkCreateImageView"))?;
+        image.view = unsafe { device.create_image_view(&view, None) }.map_err(context.failed("vkCreateImageView"))?;
         context.name(handle, name);
         Ok(Image(Arc::new(image)))
     }
@@ -479,7 +479,8 @@ impl Sampler {
             .address_mode_v(edges[1])
             .address_mode_w(edges[2]);
         // SAFETY: a plain creation on a live device.
-        let handle = unsafe { context.device().create_sampler(&info, None) }.map_err(vulkan("vkCreateSampler"))?;
+        let handle =
+            unsafe { context.usable()?.create_sampler(&info, None) }.map_err(context.failed("vkCreateSampler"))?;
         Ok(Sampler(Arc::new(SamplerInner { context: context.clone(), handle })))
     }
 

@@ -2,6 +2,7 @@
 //!
 //! Its device has no extension and no feature. Validation, with synchronisation, watches all of it; the messages are
 //! what [`Host::destroy`] returns, after the layer has had its chance to report what was left over.
+#![allow(dead_code)]
 
 pub mod calls;
 
@@ -137,6 +138,7 @@ impl Host {
             pipeline_cache: vk::PipelineCache::null(),
             debug_utils: true,
             memory_budget: None,
+            log: None,
         }
     }
 
