@@ -4,6 +4,7 @@
 //! when the GPU is known to be done with it: the context counts *frames*, an object dropped during frame n is destroyed
 //! once [`Context::advance`] says that frame n is safe.
 
+use super::allocation::{HostMemory, Memory};
 use super::caps::{describe, offers_integer_dot_product, Caps, DeviceChoice, DeviceInfo};
 use super::memory::Garbage;
 use super::pipeline::PipelineCacheFile;
@@ -66,6 +67,8 @@ pub struct HostDevice {
     pub memory_budget: Option<u64>,
     /// Where messages go; `None`: nowhere.
     pub log: Option<LogCallback>,
+    /// Where all memory comes from; `None`: from an allocator of our own, in blocks of 256 MiB and of 64 MiB.
+    pub memory: Option<Arc<dyn HostMemory>>,
 }
 
 impl HostDevice {
@@ -97,6 +100,7 @@ impl HostDevice {
             debug_utils: false,
             memory_budget: None,
             log: None,
+            memory: None,
         }
     }
 }
@@ -241,8 +245,7 @@ pub(crate) struct Inner {
     pub pipeline_cache: vk::PipelineCache,
     cache_file: Option<PipelineCacheFile>,
     pub debug_utils: Option<ash::ext::debug_utils::Device>,
-    pub allocator: Mutex<Option<Allocator>>,
-    pub allocated: AtomicU64,
+    pub memory: Memory,
     pub budget: u64,
     graveyard: Mutex<Vec<(u64, Garbage)>>,
     frame: AtomicU64,
@@ -269,7 +272,8 @@ impl Context {
             Ok((device, physical, family, info)) => {
                 // SAFETY: the family was asked for with one queue.
                 let queue = unsafe { device.get_device_queue(family, 0) };
-                let made = Inner::new(&loader.instance, physical, device.clone(), family, info, options.memory_budget);
+                let made =
+                    Inner::new(&loader.instance, physical, device.clone(), family, info, options.memory_budget, None);
                 let mut inner = match made {
                     Ok(inner) => inner,
                     Err(error) => {
@@ -340,8 +344,15 @@ impl Context {
         unsafe { requirements().check(&host.instance, host.physical_device, host.queue_family) }?;
         let info = describe(&host.instance, host.physical_device, 0);
         let debug = host.debug_utils.then(|| ash::ext::debug_utils::Device::new(&host.instance, &host.device));
-        let mut inner =
-            Inner::new(&host.instance, host.physical_device, host.device, host.queue_family, info, host.memory_budget)?;
+        let mut inner = Inner::new(
+            &host.instance,
+            host.physical_device,
+            host.device,
+            host.queue_family,
+            info,
+            host.memory_budget,
+            host.memory,
+        )?;
         inner.enabled_features = host.enabled_features;
         inner.pipeline_cache = host.pipeline_cache;
         inner.debug_utils = debug;
@@ -366,7 +377,7 @@ impl Context {
 
     /// Bytes of GPU memory that the context's objects take now.
     pub fn allocated_bytes(&self) -> u64 {
-        self.inner.allocated.load(Ordering::Relaxed)
+        self.inner.memory.allocated_bytes()
     }
 
     /// Tells where the GPU is: from here on objects belong to `current_frame`, and everything recorded in frames up to
@@ -479,17 +490,23 @@ impl Inner {
         queue_family: u32,
         info: DeviceInfo,
         budget: Option<u64>,
+        host_memory: Option<Arc<dyn HostMemory>>,
     ) -> Result<Self> {
         let caps = Caps::query(instance, physical, queue_family);
-        let allocator = Allocator::new(&AllocatorCreateDesc {
-            instance: instance.clone(),
-            device: device.clone(),
-            physical_device: physical,
-            debug_settings: Default::default(),
-            buffer_device_address: false,
-            allocation_sizes: gpu_allocator::AllocationSizes::default(),
-        })
-        .map_err(|e| Error::Device(format!("{}: no memory allocator: {e}", info.name)))?;
+        let memory = match host_memory {
+            Some(memory) => Memory::of_host(memory),
+            None => Memory::own(
+                Allocator::new(&AllocatorCreateDesc {
+                    instance: instance.clone(),
+                    device: device.clone(),
+                    physical_device: physical,
+                    debug_settings: Default::default(),
+                    buffer_device_address: false,
+                    allocation_sizes: gpu_allocator::AllocationSizes::default(),
+                })
+                .map_err(|e| Error::Device(format!("{}: no memory allocator: {e}", info.name)))?,
+            ),
+        };
         Ok(Inner {
             loader: None,
             instance: instance.clone(),
@@ -502,8 +519,7 @@ impl Inner {
             pipeline_cache: vk::PipelineCache::null(),
             cache_file: None,
             debug_utils: None,
-            allocator: Mutex::new(Some(allocator)),
-            allocated: AtomicU64::new(0),
+            memory,
             budget: budget.unwrap_or(DEFAULT_BUDGET),
             graveyard: Mutex::new(Vec::new()),
             frame: AtomicU64::new(1),
@@ -531,11 +547,8 @@ impl Inner {
     }
 
     fn destroy(&self, garbage: Vec<(u64, Garbage)>) {
-        let mut allocator = lock(&self.allocator);
-        if let Some(allocator) = allocator.as_mut() {
-            for (_, item) in garbage {
-                item.destroy(&self.device, allocator, &self.allocated);
-            }
+        for (_, item) in garbage {
+            item.destroy(&self.device, &self.memory);
         }
     }
 }
@@ -547,8 +560,7 @@ impl Drop for Inner {
         }
         let garbage = std::mem::take(&mut *lock(&self.graveyard));
         self.destroy(garbage);
-        // The allocator frees its memory blocks while the device still lives.
-        drop(lock(&self.allocator).take());
+        self.memory.close();
         if let Some(loader) = self.loader.take() {
             if let Some(file) = self.cache_file.as_ref().filter(|_| !*self.lost.get_mut()) {
                 file.save(&self.device, self.pipeline_cache);

@@ -7,6 +7,7 @@
 //! one more host.
 
 mod access;
+mod allocation;
 mod caps;
 pub mod ceilings;
 mod context;
@@ -21,6 +22,7 @@ mod upload;
 mod validation;
 
 pub use access::{Access, Barrier, ResourceState};
+pub use allocation::{HostAllocation, HostMemory, MemoryKind};
 pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
 pub(crate) use memory::Sampler;

@@ -5,6 +5,7 @@
 #![allow(dead_code)]
 
 pub mod calls;
+pub mod memory;
 
 use ash::vk;
 use impasto::gpu::HostDevice;
@@ -139,6 +140,7 @@ impl Host {
             debug_utils: true,
             memory_budget: None,
             log: None,
+            memory: None,
         }
     }
 

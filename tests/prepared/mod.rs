@@ -15,13 +15,14 @@ use impasto::technique::image::{ImageParams, ImageTechnique};
 use impasto::technique::object::{ObjectParams, ObjectTechnique};
 use impasto::technique::{Paint, ShadeRange, Show};
 use impasto::Result;
+use std::cell::OnceCell;
 
 pub const SIZE: (u32, u32) = (40, 30);
 const SAMPLE: (u32, u32) = (48, 32);
 const QUILT: QuiltParams = QuiltParams { block_px: 16, overlap_px: 4, tolerance: 0.1, seed: 5, tileable: false };
 const VIEWS_PX: u32 = 512;
 
-type Record = Box<dyn Fn(&mut Recorder<'_>) -> Result<()>>;
+type Record = Box<dyn FnMut(&mut Recorder<'_>) -> Result<()>>;
 
 /// Something prepared: what records a picture, and the picture.
 pub struct Prepared {
@@ -30,12 +31,13 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    fn new(picture: &Image, record: impl Fn(&mut Recorder<'_>) -> Result<()> + 'static) -> Self {
+    fn new(picture: &Image, record: impl FnMut(&mut Recorder<'_>) -> Result<()> + 'static) -> Self {
         Prepared { picture: Some(picture.clone()), record: Box::new(record) }
     }
 
-    /// The picture's bytes, drawn in the host's command buffer.
-    pub fn draw(&self, context: &Context, host: &Host) -> Vec<u8> {
+    /// The picture's bytes, drawn in the host's command buffer. To be called once: what is synthesised before the first
+    /// frame is recorded here too.
+    pub fn draw(&mut self, context: &Context, host: &Host) -> Vec<u8> {
         host.run(|commands| (self.record)(&mut recorder(context, commands)).expect("a picture"));
         let Some(picture) = &self.picture else { return Vec::new() };
         let [width, height, _] = picture.size_px();
@@ -55,6 +57,8 @@ pub struct Scene {
     moment: Moment,
     texture: TextureDifference,
     trajectory: Trajectory,
+    /// Found when it is first needed.
+    covered: OnceCell<Covered>,
 }
 
 pub type Prepare = fn(&Scene, &Context, &Host) -> Result<Prepared>;
@@ -71,7 +75,7 @@ impl Scene {
         let pixels = pixels.iter().map(|p| [0, 1, 2].map(|k| f32::from(p[k]) / 255.0 - 0.5)).collect();
         let texture = TextureDifference::from_pixels(SAMPLE.0, SAMPLE.1, pixels).expect("a difference");
         let trajectory = Trajectory::from_colors(vec![[0.1, 0.2, 0.3], [0.9, 0.8, 0.6]]).expect("a trajectory");
-        Scene { mesh, moment, texture, trajectory }
+        Scene { mesh, moment, texture, trajectory, covered: OnceCell::new() }
     }
 
     /// All that is prepared, by name.
@@ -161,7 +165,7 @@ impl Scene {
         }))
     }
 
-    fn aligned(&self, context: &Context, host: &Host) -> Result<Prepared> {
+    fn aligned(&self, context: &Context, _: &Host) -> Result<Prepared> {
         let mut uploads = Uploads::default();
         let guides = GuidePass::new(context, &mut uploads, &self.mesh, SIZE)?;
         let stages = QuiltStages::new(context);
@@ -170,16 +174,13 @@ impl Scene {
         let levels = LevelVolume::new(context, &mut uploads, &stages, &sources, &params)?;
         let colors = [&self.trajectory];
         let mut aligned = AlignedTechnique::new(context, &mut uploads, &guides, levels, &colors, &[0])?;
-        host.run(|commands| {
-            let mut recorder = recorder(context, commands);
-            uploads.record(&mut recorder);
-            for part in aligned.levels().parts(u64::MAX) {
-                aligned.levels().record_part(&mut recorder, &part, 3);
-            }
-        });
-        aligned.levels_mut().finish();
         let moment = self.moment.clone();
         Ok(Prepared::new(&aligned.frame().clone(), move |recorder| {
+            uploads.record(recorder);
+            for part in aligned.levels().parts(u64::MAX) {
+                aligned.levels().record_part(recorder, &part, 3);
+            }
+            aligned.levels_mut().finish();
             guides.record(recorder, &moment)?;
             aligned.record(recorder, &AlignedFrame::default(), &[])
         }))
@@ -207,7 +208,13 @@ impl Scene {
     }
 
     fn dependent(&self, context: &Context, host: &Host) -> Result<Prepared> {
-        let covered = self.covered(context, host)?;
+        let covered = match self.covered.get() {
+            Some(covered) => covered,
+            None => {
+                let covered = self.covered(context, host)?;
+                self.covered.get_or_init(|| covered)
+            }
+        };
         let mut uploads = Uploads::default();
         let stages = QuiltStages::new(context);
         let params = DependentParams { quilt: QUILT, ..DependentParams::default() };
@@ -217,24 +224,22 @@ impl Scene {
             &stages,
             &self.mesh,
             &self.moment.lights,
-            &covered,
+            covered,
             VIEWS_PX,
             SIZE,
             &self.paints(),
             &[0],
             &params,
         )?;
-        host.run(|commands| {
-            let mut recorder = recorder(context, commands);
-            uploads.record(&mut recorder);
-            for part in dependent.preparation_parts(u64::MAX) {
-                dependent.record_preparation(&mut recorder, &part, 3).expect("a part");
-            }
-        });
-        dependent.finish_preparation();
         let moment = self.moment.clone();
-        let frame = dependent.frame().clone();
-        Ok(Prepared::new(&frame, move |recorder| dependent.record(recorder, &moment, Show::Painted)))
+        Ok(Prepared::new(&dependent.frame().clone(), move |recorder| {
+            uploads.record(recorder);
+            for part in dependent.preparation_parts(u64::MAX) {
+                dependent.record_preparation(recorder, &part, 3)?;
+            }
+            dependent.finish_preparation();
+            dependent.record(recorder, &moment, Show::Painted)
+        }))
     }
 }
 
