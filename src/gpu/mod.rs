@@ -7,6 +7,7 @@
 //! one more host.
 
 mod access;
+mod allocation;
 mod caps;
 pub mod ceilings;
 mod context;
@@ -14,12 +15,14 @@ mod memory;
 mod pipeline;
 mod recorder;
 mod render_pass;
+mod requirements;
 mod runner;
 mod timing;
 mod upload;
 mod validation;
 
 pub use access::{Access, Barrier, ResourceState};
+pub use allocation::{HostAllocation, HostMemory, MemoryKind};
 pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
 pub(crate) use context::lock;
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
@@ -31,6 +34,7 @@ pub use recorder::Recorder;
 pub(crate) use render_pass::{
     Attachment, Draw, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, Role, VertexAttribute,
 };
+pub use requirements::{requirements, Format, Limits, Requirements};
 pub use runner::Runner;
 pub use timing::{PassTime, PassTimer};
 pub use upload::Uploads;

@@ -2,8 +2,10 @@
 //!
 //! Its device has no extension and no feature. Validation, with synchronisation, watches all of it; the messages are
 //! what [`Host::destroy`] returns, after the layer has had its chance to report what was left over.
+#![allow(dead_code)]
 
 pub mod calls;
+pub mod memory;
 
 use ash::vk;
 use impasto::gpu::HostDevice;
@@ -137,6 +139,8 @@ impl Host {
             pipeline_cache: vk::PipelineCache::null(),
             debug_utils: true,
             memory_budget: None,
+            log: None,
+            memory: None,
         }
     }
 
