@@ -1,6 +1,6 @@
 //! A run against an earlier one: devices and measurements that both have, and all that may make them differ.
 
-use super::results::{DeviceResults, Measurement, Results};
+use super::results::{Device, DeviceResults, Measurement, Results};
 use super::tables::{find, Clock};
 use serde::Serialize;
 use serde_json::Value;
@@ -179,14 +179,12 @@ impl Change {
 
 /// Which device was which: by UUID, then by name; and where each run has just one device, these.
 fn pairs<'a>(old: &'a [DeviceResults], new: &'a [DeviceResults]) -> Vec<(&'a DeviceResults, &'a DeviceResults)> {
-    let by_uuid = |a: &DeviceResults, b: &DeviceResults| a.device.uuid == b.device.uuid;
-    let by_name = |a: &DeviceResults, b: &DeviceResults| a.device.name == b.device.name;
-    let ways: [&dyn Fn(&DeviceResults, &DeviceResults) -> bool; 2] = [&by_uuid, &by_name];
+    let names: [fn(&Device) -> &str; 2] = [|device| &device.uuid, |device| &device.name];
     let mut free: Vec<&DeviceResults> = old.iter().collect();
     let mut found: Vec<Option<&DeviceResults>> = vec![None; new.len()];
-    for same in ways {
+    for name in names {
         for (place, one) in found.iter_mut().zip(new).filter(|(place, _)| place.is_none()) {
-            *place = free.iter().position(|other| same(other, one)).map(|at| free.remove(at));
+            *place = free.iter().position(|other| name(&other.device) == name(&one.device)).map(|at| free.remove(at));
         }
     }
     if let ([only], [place]) = (old, &mut found[..]) {
