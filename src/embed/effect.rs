@@ -1,9 +1,9 @@
 //! The effect itself: prepared beside the host's frames, then a frame with one call.
 
 use super::preparation::{prepare, Guides, Motion, Prepared};
-use super::recordings::{recordings, Desk};
-use super::{EffectDesc, Progress};
-use crate::gpu::{Context, Image, Recorder};
+use super::recordings::{recordings, Desk, Recordings};
+use super::{EffectDesc, MemoryNeeds, Progress};
+use crate::gpu::{measuring, Context, Image, Recorder};
 use crate::scene::{Camera, Mesh, Moment};
 use crate::technique::aligned::{screen_displacements, AlignedFrame};
 use crate::technique::dependent::Carry;
@@ -63,13 +63,7 @@ impl Effect {
     /// Those of [`EffectDesc::check`]; [`Error::Parameter`] for a picture that is larger than the device's images;
     /// [`Error::Io`] when the system has no thread to give.
     pub fn new(context: &Context, desc: EffectDesc) -> Result<Self> {
-        desc.check()?;
-        let (width, height) = desc.size_px;
-        let most = context.caps().max_image_2d_px;
-        if width.max(height) > most {
-            let allowed = format!("{most} pixels a side or less on this device");
-            return Err(Error::parameter("size_px", format!("{width}x{height}"), allowed));
-        }
+        Self::check(context, &desc)?;
         let (mesh, size_px) = (desc.mesh.clone(), desc.size_px);
         let (recordings, desk) = recordings();
         let on_thread = context.clone();
@@ -79,6 +73,38 @@ impl Effect {
             .map_err(|error| Error::io("a thread", error))?;
         let state = State::Preparing(desk, Some(thread));
         Ok(Effect { context: context.clone(), mesh, size_px, state, last: None, frames: 0 })
+    }
+
+    /// How much GPU memory an effect takes, without making anything of it but, for a moment, empty buffers and images
+    /// whose size the driver tells. The host's part of the preparation runs, on the calling thread.
+    ///
+    /// It is what [`Context::allocated_bytes`] grows by, to the byte, but for view-dependent painting: how many textures
+    /// that needs is only known when the views were looked through. There it is an estimate for three textures to a view,
+    /// and no fewer than 48, which few meshes exceed. Blocks that memory is taken in come on top, without [`crate::gpu::HostDevice::memory`].
+    ///
+    /// # Errors
+    /// As [`Effect::new`], and what preparing would fail with for the same reasons: [`Error::Memory`] when the budget
+    /// does not allow it.
+    pub fn memory(context: &Context, desc: &EffectDesc) -> Result<MemoryNeeds> {
+        Self::check(context, desc)?;
+        let (measuring, measured) = measuring(context)?;
+        let prepared = prepare(&measuring, desc, &Recordings::to_nobody(&measuring))?;
+        let frame = measuring.frame();
+        measuring.advance(frame + 1, frame);
+        let persistent_bytes = measuring.allocated_bytes();
+        drop(prepared);
+        Ok(MemoryNeeds { persistent_bytes, preparation_bytes: measured.most_bytes(), frame_bytes: 0 })
+    }
+
+    fn check(context: &Context, desc: &EffectDesc) -> Result<()> {
+        desc.check()?;
+        let (width, height) = desc.size_px;
+        let most = context.caps().max_image_2d_px;
+        if width.max(height) > most {
+            let allowed = format!("{most} pixels a side or less on this device");
+            return Err(Error::parameter("size_px", format!("{width}x{height}"), allowed));
+        }
+        Ok(())
     }
 
     /// Records the next piece of the preparation, if one is due, and tells how far it is. To be called once a frame, or

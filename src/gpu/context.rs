@@ -236,6 +236,7 @@ pub(crate) struct Inner {
     loader: Option<Loader>,
     pub instance: ash::Instance,
     pub device: ash::Device,
+    physical_device: vk::PhysicalDevice,
     pub queue_family: u32,
     /// Null on a borrowed device: there the host submits.
     pub queue: vk::Queue,
@@ -359,6 +360,21 @@ impl Context {
         inner.debug_utils = debug;
         inner.log = host.log;
         Ok(Context { inner: Arc::new(inner) })
+    }
+
+    /// A context on the same device by another table of its functions, and with other memory.
+    pub(crate) fn on_other_device(&self, device: ash::Device, memory: Arc<dyn HostMemory>) -> Result<Self> {
+        let inner = &self.inner;
+        let made = Inner::new(
+            &inner.instance,
+            inner.physical_device,
+            device,
+            inner.queue_family,
+            inner.info.clone(),
+            Some(inner.budget),
+            Some(memory),
+        );
+        made.map(|inner| Context { inner: Arc::new(inner) })
     }
 
     /// Which device this is.
@@ -489,6 +505,13 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
+/// Blocks of memory that objects are placed in: small at first, for a host that has better use for it.
+fn block_sizes() -> gpu_allocator::AllocationSizes {
+    gpu_allocator::AllocationSizes::new(16 << 20, 4 << 20)
+        .with_max_device_memblock_size(256 << 20)
+        .with_max_host_memblock_size(64 << 20)
+}
+
 impl Inner {
     fn new(
         instance: &ash::Instance,
@@ -509,7 +532,7 @@ impl Inner {
                     physical_device: physical,
                     debug_settings: Default::default(),
                     buffer_device_address: false,
-                    allocation_sizes: gpu_allocator::AllocationSizes::default(),
+                    allocation_sizes: block_sizes(),
                 })
                 .map_err(|e| Error::Device(format!("{}: no memory allocator: {e}", info.name)))?,
             ),
@@ -518,6 +541,7 @@ impl Inner {
             loader: None,
             instance: instance.clone(),
             device,
+            physical_device: physical,
             queue_family,
             queue: vk::Queue::null(),
             info,

@@ -7,6 +7,7 @@ mod composite;
 mod frames;
 #[path = "../host/mod.rs"]
 mod host;
+mod memory;
 
 use ash::vk;
 use common::noise;
