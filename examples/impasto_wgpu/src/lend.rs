@@ -5,7 +5,7 @@
 
 use crate::Result;
 use ash::vk;
-use impasto::gpu::{Context, HostDevice, Image, ImageDesc, LogLevel, Recorder, ResourceState};
+use impasto::gpu::{Access, Context, HostDevice, Image, ImageDesc, LogLevel, Recorder, ResourceState};
 use std::sync::Arc;
 use wgpu::hal::api::Vulkan;
 
@@ -17,18 +17,15 @@ pub fn context(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Result<Context
     let instance = raw.shared_instance();
     // What wgpu has enabled, which is less than what the device offers.
     let enabled = adapter.physical_device_features(raw.enabled_device_extensions(), device.features());
-    let host = HostDevice {
-        instance: instance.raw_instance().clone(),
-        physical_device: raw.raw_physical_device(),
-        device: raw.raw_device().clone(),
-        queue_family: raw.queue_family_index(),
-        enabled_features: enabled.get_core(),
-        pipeline_cache: vk::PipelineCache::null(),
-        debug_utils: instance.extensions().contains(&ash::ext::debug_utils::NAME),
-        memory_budget: None,
-        log: Some(Arc::new(|level, message| log::log!(of_impasto(level), "{message}"))),
-        memory: None,
-    };
+    let mut host = HostDevice::new(
+        instance.raw_instance().clone(),
+        raw.raw_physical_device(),
+        raw.raw_device().clone(),
+        raw.queue_family_index(),
+    );
+    host.enabled_features = enabled.get_core();
+    host.debug_utils = instance.extensions().contains(&ash::ext::debug_utils::NAME);
+    host.log = Some(Arc::new(|level, message| log::log!(of_impasto(level), "{message}")));
     // SAFETY: the handles are live and belong together, wgpu's queue draws and computes, and the caller keeps the
     // device for longer than the context.
     Ok(unsafe { Context::from_host(host) }?)
@@ -44,20 +41,12 @@ fn of_impasto(level: LogLevel) -> log::Level {
 /// How wgpu leaves a texture in the state `COLOR_TARGET`, and expects to find it: stages, accesses and layout are those
 /// of wgpu-hal's `map_texture_usage_to_barrier` and `derive_image_layout`.
 pub fn color_attachment() -> ResourceState {
-    ResourceState::from_host(
-        vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT,
-        vk::AccessFlags::COLOR_ATTACHMENT_READ | vk::AccessFlags::COLOR_ATTACHMENT_WRITE,
-        vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
-    )
+    ResourceState::of(Access::ColorBlend)
 }
 
 /// The same of `DEPTH_STENCIL_WRITE`.
 pub fn depth_attachment() -> ResourceState {
-    ResourceState::from_host(
-        vk::PipelineStageFlags::EARLY_FRAGMENT_TESTS | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS,
-        vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE,
-        vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
-    )
+    ResourceState::of(Access::DepthTest)
 }
 
 /// Brings wgpu's textures to these two states, as the last thing in an encoder.
