@@ -72,6 +72,27 @@ pub struct HostDevice {
 }
 
 impl HostDevice {
+    /// A device of which no more is told than what must be: no feature is enabled, nothing is named or logged.
+    pub fn new(
+        instance: ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: ash::Device,
+        queue_family: u32,
+    ) -> Self {
+        HostDevice {
+            instance,
+            physical_device,
+            device,
+            queue_family,
+            enabled_features: vk::PhysicalDeviceFeatures::default(),
+            pipeline_cache: vk::PipelineCache::null(),
+            debug_utils: false,
+            memory_budget: None,
+            log: None,
+            memory: None,
+        }
+    }
+
     /// Loads the function tables from raw handles, as a host that does not use ash has them.
     ///
     /// # Safety
@@ -90,18 +111,7 @@ impl HostDevice {
             let device = ash::Device::load(instance.fp_v1_0(), device);
             (instance, device)
         };
-        HostDevice {
-            instance,
-            physical_device,
-            device,
-            queue_family,
-            enabled_features: vk::PhysicalDeviceFeatures::default(),
-            pipeline_cache: vk::PipelineCache::null(),
-            debug_utils: false,
-            memory_budget: None,
-            log: None,
-            memory: None,
-        }
+        Self::new(instance, physical_device, device, queue_family)
     }
 }
 
