@@ -14,6 +14,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
 /// How grave a message to the log is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -235,6 +236,7 @@ pub(crate) struct Inner {
     pub allocator: Mutex<Option<Allocator>>,
     pub allocated: AtomicU64,
     pub budget: u64,
+    compiling_ns: AtomicU64,
     graveyard: Mutex<Vec<(u64, Garbage)>>,
     frame: AtomicU64,
     next_id: AtomicU64,
@@ -358,6 +360,20 @@ impl Context {
         self.inner.allocated.load(Ordering::Relaxed)
     }
 
+    /// How long the driver has taken to make the context's pipelines so far. Some drivers put off part of the compilation
+    /// to a pipeline's first use, which is not in it.
+    pub fn compile_time(&self) -> Duration {
+        Duration::from_nanos(self.inner.compiling_ns.load(Ordering::Relaxed))
+    }
+
+    /// Makes a pipeline, and adds its time to [`Context::compile_time`].
+    pub(crate) fn compile<T>(&self, make: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let made = make();
+        self.inner.compiling_ns.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        made
+    }
+
     /// Tells where the GPU is: from here on objects belong to `current_frame`, and everything recorded in frames up to
     /// and including `safe_frame` has run. Objects dropped in safe frames are destroyed now.
     pub fn advance(&self, current_frame: u64, safe_frame: u64) {
@@ -440,6 +456,7 @@ impl Inner {
             debug_utils: None,
             allocator: Mutex::new(Some(allocator)),
             allocated: AtomicU64::new(0),
+            compiling_ns: AtomicU64::new(0),
             budget: budget.unwrap_or(DEFAULT_BUDGET),
             graveyard: Mutex::new(Vec::new()),
             frame: AtomicU64::new(1),

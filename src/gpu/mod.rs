@@ -3,18 +3,20 @@
 //! A [`Context`] owns a device or borrows a host's. On it stand [`Buffer`]s and [`Image`]s (freed only when the GPU
 //! is done with them), pipelines with their binding sets, and explicit render passes. A [`Recorder`] writes *passes*
 //! into a command buffer that it is given: each pass declares what it reads and writes ([`Access`]), and label, timer
-//! and barriers are derived from that in one place. Nothing here submits but the headless [`Runner`], which is just
-//! one more host.
+//! and barriers are derived from that in one place. Nothing here submits but the headless [`Runner`] and
+//! [`FrameLoop`], which are just two more hosts.
 
 mod access;
 mod caps;
 pub mod ceilings;
 mod context;
+mod frame_loop;
 mod memory;
 mod pipeline;
 mod recorder;
 mod render_pass;
 mod runner;
+mod submission;
 mod timing;
 mod upload;
 mod validation;
@@ -22,6 +24,7 @@ mod validation;
 pub use access::{Access, Barrier, ResourceState};
 pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
+pub use frame_loop::FrameLoop;
 pub(crate) use memory::Sampler;
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};
 pub use pipeline::{BindingKind, PipelineCacheFile, RasterShader, Shader};
