@@ -18,7 +18,7 @@ fn sequence(gpu: &Validated) -> Quilt {
     let mut uploads = Uploads::default();
     let stages = QuiltStages::new(&gpu.context);
     let texels = SampleTexels::new(&gpu.context, &mut uploads, &noise(SAMPLE.0, SAMPLE.1, 31), SAMPLE).expect("sample");
-    let guide: Vec<u32> = (0..OUTPUT.0 * OUTPUT.1).map(|i| 1 << 16 | i % 256).collect();
+    let guide: Vec<u32> = (0..OUTPUT.0 * OUTPUT.1).map(|i| (1 << 16) | (i % 256)).collect();
     let guide = QuiltGuide::from_texels(&gpu.context, &mut uploads, &guide, OUTPUT, 20).expect("guide");
     let guide = QuiltGuide { previous: Some(PreviousWeight(0.5)), ..guide };
     let quilt = Quilt::new(&gpu.context, &mut uploads, &stages, &texels, OUTPUT, &PARAMS, Some(guide)).expect("quilt");
