@@ -14,6 +14,9 @@ help:
 	@echo "make pictures make the pictures of README.md again"
 	@echo "make clean    delete what was built"
 
+# `impasto bench` tells which commit it was built from, with + if files had been changed; nothing, outside of git.
+demo bench: export IMPASTO_COMMIT = $(shell git describe --always --exclude='*' --dirty=+ 2>/dev/null)
+
 demo:
 	@scripts/setup demo
 	$(CARGO) run --release --locked -- demo

@@ -41,6 +41,7 @@ fn a_scene_by_name_gives_all_figures_and_is_right() {
             "check",
             "gpu",
             "id",
+            "in_flight",
             "kind",
             "memory_bytes",
             "more_is_better",
@@ -86,6 +87,24 @@ fn every_technique_is_measured_in_frames_that_go_on_from_each_other() {
     }
     let hashes: std::collections::BTreeSet<_> = measurements.iter().map(|one| one["check"]["hash"].as_str()).collect();
     assert_eq!(hashes.len(), 4, "each paints in its own way");
+}
+
+#[test]
+fn what_is_printed_is_what_is_written_and_can_be_compared_with() {
+    let place = Place::new();
+    let document = place.ok("bench synthesis/guided/256x256 --sustained --json -o kept");
+    let printed: Value = serde_json::from_str(&document).expect("JSON");
+    let kept: Value = serde_json::from_str(&place.text("kept/bench.json")).expect("JSON");
+    assert_eq!(printed, kept);
+    let one = &printed["devices"][0]["measurements"][0];
+    assert_eq!(one["round_p50"].as_array().map(Vec::len), Some(30));
+    assert_eq!(one["wall"]["raw"].as_array().map(Vec::len), Some(1), "the slowest round alone");
+    let rounds = one["round_p50"].as_array().expect("rounds").iter().map(|rate| rate.as_f64().expect("a number"));
+    assert_eq!(one["wall"]["p50"].as_f64(), rounds.min_by(f64::total_cmp));
+    std::fs::write(place.path("old.json"), document).expect("a file");
+    let again = place.json("bench synthesis/guided/256x256 --compare old.json");
+    assert!(again["comparison"].is_object(), "{}", again["comparison"]);
+    assert_eq!(again["devices"][0]["measurements"][0]["check"], one["check"], "the same bytes in another run");
 }
 
 #[test]

@@ -2,19 +2,31 @@
 //!
 //! ```text
 //! catalogue -> cases --\
-//! scenes, synthesis ----> subject, on a device after the other -> results -> outputs
-//! check (references) --/
+//! scenes, synthesis ----> subject, one device after the other -> Results -> outputs -+-> bench.json, csv
+//! check (references) --/                                                  |         +-> report: parts -> text, ...
+//!                                                     old bench.json -> compare -----------^
 //! ```
 
 mod catalogue;
 mod check;
+mod compare;
+mod csv;
+mod environment;
+#[cfg(test)]
+mod example;
+mod markdown;
+mod outputs;
+mod page;
+mod plots;
+mod previous;
+mod report;
 mod results;
 mod rounds;
 mod scenes;
 mod subject;
 mod synthesis;
-mod system;
-mod terminal;
+mod tables;
+mod text;
 mod throughput;
 
 use super::failure::{Failure, Result};
@@ -23,7 +35,8 @@ use super::session::{Session, PART_COMPARISONS};
 use catalogue::Case;
 use clap::Args;
 use impasto::gpu::{list_devices, DeviceChoice, DeviceInfo};
-use results::{DeviceResults, Parameters, Results, SCHEMA};
+use outputs::OutputFlags;
+use results::{Device, DeviceResults, Parameters, Results, System, Tool, SCHEMA};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -50,6 +63,8 @@ pub struct BenchArgs {
     /// List the names of all scenes, and measure nothing
     #[arg(long)]
     list: bool,
+    #[command(flatten)]
+    outputs: OutputFlags,
 }
 
 /// How much is done: the same on every device.
@@ -122,18 +137,22 @@ pub fn run(args: &BenchArgs, session: &mut Session) -> Result {
         session.result("scenes", json!(names), names.join("\n"));
         return Ok(());
     }
+    let outputs = args.outputs.check()?;
     let devices = chosen_devices(args, session)?;
     let effort = Effort::new(args.full, args.sustained);
     let parameters = Parameters { set: set.to_owned(), seed: effort.seed, numbers: effort.numbers() };
-    let (started, start) = (system::now(), Instant::now());
+    let (started, start) = (environment::now(), Instant::now());
     let progress = session.progress("measuring", cases.len() * devices.len());
     let mut shared = Shared::default();
     let devices = devices.iter().map(|info| measure(info, &cases, &effort, session, &mut shared, &progress)).collect();
     drop(progress);
     let (schema, seconds) = (SCHEMA, start.elapsed().as_secs_f64());
-    let results =
-        Results { schema, tool: system::tool(), started, seconds, system: system::system(), parameters, devices };
-    report(&results, session)
+    let results = Results { schema, tool: Tool::here(), started, seconds, system: System::here(), parameters, devices };
+    outputs.finish(&results, session)?;
+    if let Some(wrong) = wrong(&results) {
+        session.found_wrong(wrong);
+    }
+    Ok(())
 }
 
 /// The devices that were asked for, each once.
@@ -173,7 +192,7 @@ fn measure(
     let start = Instant::now();
     let opened = session.open_uncached(info.index);
     let mut results = DeviceResults {
-        device: system::device(info),
+        device: Device::of(info),
         open_ms: start.elapsed().as_secs_f64() * 1e3,
         compile_ms: BTreeMap::new(),
         measurements: Vec::new(),
@@ -199,17 +218,6 @@ fn measure(
     results
 }
 
-/// Hands the results to everything that is made of them.
-fn report(results: &Results, session: &mut Session) -> Result {
-    let document = serde_json::to_value(results).map_err(|error| Failure::new(format!("the results: {error}")))?;
-    session.result("results", json!(null), terminal::text(results));
-    session.replace_document(document);
-    if let Some(wrong) = wrong(results) {
-        session.found_wrong(wrong);
-    }
-    Ok(())
-}
-
 /// All that is wrong, device by device; none if nothing is.
 fn wrong(results: &Results) -> Option<String> {
     let mut wrong = Vec::new();
@@ -225,73 +233,19 @@ fn wrong(results: &Results) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::results::{Check, Kind, Measurement};
     use super::*;
-    use impasto::gpu::{DeviceKind, Uuid};
-
-    fn results() -> Results {
-        let measurement = |id: &str, verdict: &str| Measurement {
-            id: id.to_owned(),
-            kind: Kind::Synthesis,
-            technique: None,
-            scene: None,
-            motion: None,
-            size_px: [256, 256],
-            unit: "blocks/s".to_owned(),
-            more_is_better: true,
-            gpu: None,
-            wall: results::Samples::of(vec![2.0]),
-            round_p50: vec![2.0],
-            memory_bytes: 0,
-            check: Check { hash: check::hash(b""), verdict: verdict.to_owned() },
-            telemetry: None,
-        };
-        let device = |index: usize, verdicts: [&str; 2], error: Option<&str>| {
-            let info = DeviceInfo {
-                index,
-                name: format!("GPU {index}"),
-                kind: DeviceKind::Discrete,
-                uuid: Uuid([0; 16]),
-                vendor_id: 0,
-                device_id: 0,
-                api_version: 0,
-                driver_version: 0,
-            };
-            DeviceResults {
-                device: system::device(&info),
-                open_ms: 1.0,
-                compile_ms: BTreeMap::new(),
-                measurements: vec![measurement("one", verdicts[0]), measurement("two", verdicts[1])],
-                error: error.map(str::to_owned),
-            }
-        };
-        Results {
-            schema: SCHEMA,
-            tool: system::tool(),
-            started: system::now(),
-            seconds: 1.0,
-            system: system::system(),
-            parameters: Parameters { set: "quick".into(), seed: 1, numbers: Effort::new(false, false).numbers() },
-            devices: vec![device(0, ["ok", "ok"], None), device(3, ["ok", "other bytes"], Some("it is lost"))],
-        }
-    }
 
     #[test]
     fn what_is_wrong_is_told_with_device_and_scene() {
-        let mut results = results();
-        let told = wrong(&results).expect("something is wrong");
-        assert_eq!(told, "GPU 3 (device 3) computes two wrong: other bytes\nGPU 3 (device 3) failed: it is lost");
-        let table = terminal::text(&results);
-        assert!(table.contains("other bytes") && table.contains("it is lost"), "{table}");
+        let mut results = example::example();
+        let (name, one) = (&results.devices[1].device.name, &results.devices[1].measurements[0]);
+        let verdict = &one.check.verdict;
+        let expected = format!(
+            "{name} (device 1) computes {} wrong: {verdict}\n{name} (device 1) failed: the device was lost",
+            one.id
+        );
+        assert_eq!(wrong(&results), Some(expected));
         results.devices.truncate(1);
         assert_eq!(wrong(&results), None);
-    }
-
-    #[test]
-    fn results_are_read_as_they_were_written() {
-        let results = results();
-        let text = serde_json::to_string(&results).expect("JSON");
-        let read: Results = serde_json::from_str(&text).expect("results");
-        assert_eq!(serde_json::to_string(&read).expect("JSON"), text);
     }
 }

@@ -267,8 +267,9 @@ impl Subject<'_> {
     /// Adds a row. `share` is that of pixels that may differ from the first device's.
     fn row(&mut self, case: &Case, figures: Figures, mut outcome: Outcome, share: Option<f64>) {
         let device = self.device.context.device_info();
-        let name = format!("{} (device {})", device.name, device.index);
-        self.shared.references.compare(&case.id, &name, &mut outcome, share);
+        let whose = format!("{} (device {})", device.name, device.index);
+        self.shared.references.compare(&case.id, &whose, &mut outcome, share);
+        let name = case.id.clone();
         let (kind, technique, scene, motion) = match case.work {
             Work::Preparation(technique, scene) => (Kind::Preparation, Some(technique), Some(scene), None),
             Work::Frame(technique, scene, motion) => (Kind::Frame, Some(technique), Some(scene), Some(motion)),
@@ -278,13 +279,22 @@ impl Subject<'_> {
                 (Kind::Throughput, Some(TechniqueName::Image), Some(SceneName::Head), moving)
             }
         };
+        // Its figures are those of the slowest round, and not to be compared with those of all.
+        let (kind, id) = match kind {
+            Kind::Frame if self.effort.sustained => (Kind::Sustained, name.replacen("frame/", "sustained/", 1)),
+            _ => (kind, name),
+        };
+        let in_flight = match case.work {
+            Work::Throughput { in_flight } => Some(in_flight),
+            _ => None,
+        };
         let (unit, more_is_better) = match kind {
-            Kind::Frame | Kind::Preparation => ("ms", false),
+            Kind::Frame | Kind::Sustained | Kind::Preparation => ("ms", false),
             Kind::Synthesis => ("blocks/s", true),
             Kind::Throughput => ("frames/s", true),
         };
         self.measurements.push(Measurement {
-            id: case.id.clone(),
+            id,
             kind,
             technique: technique.map(technique_name),
             scene: scene.map(|scene| scene.name().to_owned()),
@@ -292,6 +302,7 @@ impl Subject<'_> {
             size_px: [case.size.width, case.size.height],
             unit: unit.to_owned(),
             more_is_better,
+            in_flight,
             gpu: figures.gpu,
             wall: figures.wall,
             round_p50: figures.round_p50,
