@@ -88,11 +88,11 @@ pub struct Effort {
 impl Effort {
     fn new(full: bool, sustained: bool) -> Self {
         let quick = Effort {
-            warm_up: 2,
-            frames: 12,
-            rounds: if sustained { SUSTAINED_ROUNDS } else { 2 },
+            warm_up: 4,
+            frames: 20,
+            rounds: if sustained { SUSTAINED_ROUNDS } else { 3 },
             preparations: 1,
-            stream_frames: 6,
+            stream_frames: 8,
             sustained,
             seed: 1,
         };
