@@ -23,7 +23,7 @@ mod validation;
 
 pub use access::{Access, Barrier, ResourceState};
 pub use allocation::{HostAllocation, HostMemory, MemoryKind};
-pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
+pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, PciAddress, Uuid};
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
 pub(crate) use memory::Sampler;
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};
