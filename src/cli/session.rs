@@ -21,8 +21,8 @@ pub const PART_COMPARISONS: u64 = 400_000_000;
 /// Flags of every command.
 #[derive(Args, Debug, Clone)]
 pub struct Common {
-    /// The device: its index, (part of) its name, or its UUID, as `impasto devices` lists them
-    #[arg(long, global = true, value_name = "INDEX|NAME|UUID", help_heading = "Common options")]
+    /// The device: its index, (part of) its name, its UUID or its PCI address, as `impasto devices` lists them
+    #[arg(long, global = true, value_name = "INDEX|NAME|UUID|PCI", help_heading = "Common options")]
     pub device: Option<String>,
     /// Turn on the Vulkan validation layers; any message of theirs makes the exit status 1
     #[arg(long, global = true, help_heading = "Common options")]
@@ -357,10 +357,9 @@ impl Device {
         messages: &Arc<Mutex<Vec<String>>>,
     ) -> Result<Self> {
         let sink = messages.clone();
-        let log: LogCallback = Arc::new(move |_, message| {
-            if let Ok(mut messages) = sink.lock() {
-                messages.push(message.to_owned());
-            }
+        let log: LogCallback = Arc::new(move |_, message| match sink.lock() {
+            Ok(mut messages) if validation => messages.push(message.to_owned()),
+            _ => warn_on_stderr(message),
         });
         let options = ContextOptions { device, validation, log: Some(log), pipeline_cache_dir, memory_budget: None };
         let context = Context::new(&options)?;
@@ -404,6 +403,9 @@ pub fn device_json(device: &DeviceInfo) -> Value {
         "uuid": device.uuid.to_string(),
         "api_version": device.api_version_text(),
         "driver_version": device.driver_version,
+        "driver_name": device.driver_name,
+        "driver_info": device.driver_info,
+        "pci": device.pci.map(|address| address.to_string()),
         "vendor_id": device.vendor_id,
         "device_id": device.device_id,
     })

@@ -26,7 +26,7 @@ mod validation;
 
 pub use access::{Access, Barrier, ResourceState};
 pub use allocation::{HostAllocation, HostMemory, MemoryKind};
-pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
+pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, PciAddress, Uuid};
 pub(crate) use context::lock;
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
 pub use frame_loop::FrameLoop;

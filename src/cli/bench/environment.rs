@@ -40,13 +40,13 @@ impl Device {
             name: info.name.clone(),
             kind: info.kind.to_string(),
             uuid: info.uuid.to_string(),
-            pci: None,
+            pci: info.pci.map(|pci| pci.to_string()),
             vendor_id: info.vendor_id,
             device_id: info.device_id,
             api_version: info.api_version_text(),
             driver_version: info.driver_version,
-            driver_name: None,
-            driver_info: None,
+            driver_name: info.driver_name.clone(),
+            driver_info: info.driver_info.clone(),
         }
     }
 }

@@ -26,6 +26,7 @@ mod scenes;
 mod subject;
 mod synthesis;
 mod tables;
+mod telemetry;
 mod text;
 mod throughput;
 
@@ -39,8 +40,10 @@ use outputs::OutputFlags;
 use results::{Device, DeviceResults, Parameters, Results, System, Tool, SCHEMA};
 use serde_json::json;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::time::Instant;
 use subject::{Shared, Subject};
+use telemetry::{Reader, SYSFS};
 
 /// Rounds of a sustained run.
 const SUSTAINED_ROUNDS: u32 = 30;
@@ -200,12 +203,14 @@ fn measure(
     };
     match opened {
         Ok(device) => {
+            let telemetry = Reader::new(device.context.device_info(), Path::new(SYSFS));
             let mut subject = Subject {
                 effort,
                 shared,
                 progress,
                 session: session.silent(),
                 device,
+                telemetry,
                 compile_ms: BTreeMap::new(),
                 measurements: Vec::new(),
                 stream_hash: None,

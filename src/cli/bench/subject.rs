@@ -6,10 +6,11 @@
 
 use super::catalogue::{technique_name, Case, MotionName, SceneName, Work};
 use super::check::{share_allowed, Outcome, References};
-use super::results::{Kind, Measurement, Telemetry};
+use super::results::{Kind, Measurement};
 use super::rounds::{Figures, Rounds, Time};
 use super::scenes::Model;
 use super::synthesis::Problem;
+use super::telemetry::Reader;
 use super::throughput::Stream;
 use super::Effort;
 use crate::cli::failure::Result;
@@ -20,7 +21,7 @@ use crate::cli::quilting::SearchFlag;
 use crate::cli::session::{Device, Session, PART_COMPARISONS};
 use crate::cli::techniques::{Chosen, Technique, TechniqueName};
 use crate::cli::values::Size;
-use impasto::gpu::{Context, Uploads};
+use impasto::gpu::Uploads;
 use impasto::scene::Moment;
 use impasto::synthesis::params::QuiltParams;
 use impasto::synthesis::quilt::Quilt;
@@ -71,6 +72,8 @@ pub struct Subject<'a> {
     /// Shows nothing.
     pub session: Session,
     pub device: Device,
+    /// What tells of clocks, temperature and power.
+    pub telemetry: Option<Reader>,
     /// Milliseconds, by technique.
     pub compile_ms: BTreeMap<String, f64>,
     pub measurements: Vec<Measurement>,
@@ -308,7 +311,7 @@ impl Subject<'_> {
             round_p50: figures.round_p50,
             memory_bytes: self.device.context.allocated_bytes(),
             check: outcome.check(),
-            telemetry: telemetry(&self.device.context),
+            telemetry: self.telemetry.as_ref().and_then(Reader::read),
         });
         self.progress.step();
     }
@@ -340,11 +343,6 @@ fn chosen(technique: TechniqueName, quilt: QuiltParams) -> Chosen {
         TechniqueName::Dependent => Technique::Dependent(default_views(), VIEW_PX, DependentParams::default()),
     };
     Chosen { technique, quilt, search: SearchFlag::Auto, k: None, levels: false }
-}
-
-/// How the device is, where its driver tells.
-fn telemetry(_: &Context) -> Option<Telemetry> {
-    None
 }
 
 fn milliseconds(time: std::time::Duration) -> f64 {
