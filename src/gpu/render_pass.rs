@@ -161,6 +161,13 @@ impl Framebuffer {
     }
 }
 
+impl Framebuffer {
+    /// What it draws to.
+    pub fn images(&self) -> &[Image] {
+        &self.images
+    }
+}
+
 impl Drop for Framebuffer {
     fn drop(&mut self) {
         self.context.bury(Garbage::Framebuffer(self.handle));
