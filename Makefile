@@ -3,7 +3,7 @@
 CARGO ?= cargo
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test format lint docs units check-shaders shaders assets pictures bench clean
+.PHONY: help demo test format lint docs units check-shaders shaders assets pictures bench embed-bevy clean
 
 help:
 	@echo "make demo     install what is missing, build, and paint the pictures that demo/index.html shows"
@@ -12,6 +12,7 @@ help:
 	@echo "make shaders  compile glsl/ to the SPIR-V that is checked in (after changing a shader)"
 	@echo "make assets   make the models and paint strips in assets/ again"
 	@echo "make pictures make the pictures of README.md again"
+	@echo "make embed-bevy  build the plugin for Bevy, run it without a window, and check its pictures (takes long)"
 	@echo "make clean    delete what was built"
 
 demo:
@@ -52,6 +53,12 @@ pictures:
 bench:
 	@scripts/setup demo
 	$(CARGO) bench --locked --bench ceilings --bench synthesis --bench techniques --bench metrics
+
+# Outside of the tests, since Bevy takes long to build. All that it writes is in target/.
+embed-bevy:
+	@scripts/setup test
+	cd examples/impasto_bevy && CARGO_TARGET_DIR=../../target/bevy $(CARGO) run --locked --example head -- \
+		../../target/embed-bevy --validate
 
 clean:
 	$(CARGO) clean

@@ -1,0 +1,225 @@
+//! A painted head among Bevy's own things, without a window: writes pictures, and checks them.
+//!
+//! `cargo run --example head -- OUT_DIR [--validate]`. A blue post stands before the head and must hide paint; a red one stands
+//! behind it and must be hidden; a ring goes around its neck, and does both. The exit status is 1 when something is not
+//! as it must be, or, with `--validate`, when Vulkan's validation layer has said anything.
+
+#[path = "head/checks.rs"]
+mod checks;
+#[path = "head/messages.rs"]
+mod messages;
+
+use bevy::app::ScheduleRunnerPlugin;
+use bevy::camera::RenderTarget;
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::gpu_readback::{Readback, ReadbackComplete};
+use bevy::render::settings::{Backends, InstanceFlags, WgpuSettings};
+use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::window::{ExitCondition, WindowPlugin};
+use checks::{Picture, SIZE_PX};
+use impasto_bevy::impasto::embed::Method;
+use impasto_bevy::impasto::paint::PaintSample;
+use impasto_bevy::impasto::scene;
+use impasto_bevy::impasto::synthesis::params::QuiltParams;
+use impasto_bevy::impasto::technique::aligned::{AlignedFrame, LevelParams};
+use impasto_bevy::{ImpastoPlugin, Painted};
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A preparation that takes longer than this is stuck.
+const PATIENCE: Duration = Duration::from_secs(300);
+/// From where the scene is seen, degrees around it.
+const ANGLES: [f32; 5] = [-30.0, -15.0, 0.0, 15.0, 30.0];
+
+fn main() -> AppExit {
+    let (flags, folders): (Vec<_>, Vec<_>) = std::env::args_os().skip(1).partition(|word| word == "--validate");
+    let out = PathBuf::from(folders.into_iter().next().unwrap_or_else(|| "out".into()));
+    if let Err(error) = std::fs::create_dir_all(&out) {
+        eprintln!("{}: {error}", out.display());
+        return AppExit::error();
+    }
+    let no_window = WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() };
+    let log = LogPlugin { custom_layer: messages::layer, filter: messages::FILTER.to_owned(), ..default() };
+    let instance_flags = if flags.is_empty() { InstanceFlags::empty() } else { InstanceFlags::debugging() };
+    let settings = WgpuSettings { backends: Some(Backends::VULKAN), instance_flags, ..default() };
+    // So that the first frame shows everything.
+    let render = RenderPlugin { synchronous_pipeline_compilation: true, render_creation: settings.into(), ..default() };
+    App::new()
+        .add_plugins(DefaultPlugins.set(no_window).set(log).set(render))
+        .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::ZERO))
+        .add_plugins(ImpastoPlugin::default())
+        .insert_resource(ClearColor(Color::srgb(0.86, 0.84, 0.80)))
+        .insert_resource(Film::new(out))
+        .add_systems(Startup, build)
+        .add_systems(Update, direct)
+        .run()
+}
+
+/// The thing that is filmed.
+#[derive(Component)]
+struct Head;
+
+fn build(
+    mut commands: Commands,
+    mut film: ResMut<Film>,
+    mut images: ResMut<Assets<Image>>,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) -> Result {
+    let assets = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets"));
+    let model = scene::Mesh::load(assets.join("head.obj"), &scene::MeshOptions::default())?.mesh;
+    let strip = PaintSample::load(assets.join("strip_green_yellow.png"))?;
+    let quilt = QuiltParams { block_px: 24, ..QuiltParams::default() };
+    let levels = LevelParams { size_px: 256, quilt, ..LevelParams::default() };
+    let method = Method::Aligned { levels, frame: AlignedFrame::default(), follow: true };
+    // The model is 21 high.
+    commands.spawn((Painted::new(model, &strip, method)?, Head, Transform::from_scale(Vec3::splat(0.1))));
+
+    let mut thing = |mesh: Mesh, color: Color, place: Vec3| {
+        let material = StandardMaterial { base_color: color, perceptual_roughness: 0.9, ..default() };
+        let place = Transform::from_translation(place);
+        commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material)), place));
+    };
+    let post = |width, height| Cuboid::new(width, height, width).into();
+    thing(Plane3d::new(Vec3::Y, Vec2::splat(4.0)).into(), Color::srgb(0.62, 0.60, 0.56), Vec3::ZERO);
+    thing(post(0.22, 2.2), Color::srgb(0.10, 0.25, 0.75), Vec3::new(0.15, 1.1, 1.5));
+    thing(post(0.4, 3.0), Color::srgb(0.75, 0.12, 0.10), Vec3::new(0.55, 1.5, -1.8));
+    thing(Torus::new(0.55, 0.75).into(), Color::srgb(0.45, 0.43, 0.45), Vec3::new(0.0, 0.55, 0.0));
+
+    let light = Transform::from_xyz(-3.0, 3.5, 2.5).looking_at(Vec3::Y, Vec3::Y);
+    commands.spawn((DirectionalLight { illuminance: 8_000.0, ..default() }, light));
+    let mut target = Image::new_target_texture(SIZE_PX, SIZE_PX, TextureFormat::Rgba8UnormSrgb, None);
+    target.texture_descriptor.usage |= TextureUsages::COPY_SRC;
+    film.target = images.add(target);
+    let target = RenderTarget::Image(film.target.clone().into());
+    // The paint's colours stay as they are; Bevy's other things are drawn without a curve, too.
+    commands.spawn((Camera3d::default(), target, Msaa::Off, Tonemapping::None));
+    Ok(())
+}
+
+/// A picture to be taken.
+#[derive(Clone, Copy, PartialEq)]
+struct Shot {
+    angle: usize,
+    /// Of the head, degrees.
+    turn: f32,
+    stage: Stage,
+}
+
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Stage {
+    /// The head is there, but nothing of it can be seen yet.
+    Unready,
+    /// The head is hidden.
+    Hidden,
+    Painted,
+}
+
+#[derive(Resource)]
+struct Film {
+    out: PathBuf,
+    target: Handle<Image>,
+    shots: VecDeque<Shot>,
+    taken: Vec<(Shot, Picture)>,
+    /// The picture that is on its way.
+    under_way: bool,
+    since: Instant,
+    frames: u32,
+}
+
+impl Film {
+    fn new(out: PathBuf) -> Self {
+        let shot = |stage| move |angle| Shot { angle, turn: 0.0, stage };
+        let mut shots = VecDeque::from([shot(Stage::Unready)(0)]);
+        shots.extend((0..ANGLES.len()).map(shot(Stage::Hidden)));
+        shots.extend((0..ANGLES.len()).map(shot(Stage::Painted)));
+        shots.push_back(Shot { turn: 50.0, ..shot(Stage::Painted)(2) });
+        let (target, taken) = (Handle::default(), Vec::new());
+        Film { out, target, shots, taken, under_way: false, since: Instant::now(), frames: 0 }
+    }
+}
+
+/// Takes one shot after the other. Nothing moves while a picture is on its way.
+fn direct(
+    mut commands: Commands,
+    mut film: ResMut<Film>,
+    mut exit: MessageWriter<AppExit>,
+    camera: Single<&mut Transform, (With<Camera3d>, Without<Head>)>,
+    head: Single<(&Painted, &mut Transform, &mut Visibility), With<Head>>,
+) {
+    film.frames += 1;
+    if film.under_way {
+        return;
+    }
+    let Some(&shot) = film.shots.front() else {
+        exit.write(finish(&film));
+        return;
+    };
+    let (painted, mut place, mut visibility) = head.into_inner();
+    let progress = painted.progress();
+    match shot.stage {
+        Stage::Unready if progress == 1.0 => {
+            error!("the head was ready before its first picture: nothing is proven");
+            exit.write(AppExit::error());
+            return;
+        }
+        Stage::Painted if progress < 1.0 => {
+            if film.since.elapsed() > PATIENCE {
+                error!("the preparation is stuck at {progress}");
+                exit.write(AppExit::error());
+            }
+            return;
+        }
+        Stage::Painted if film.taken.last().is_some_and(|(last, _)| last.stage != Stage::Painted) => {
+            info!("ready after {} frames, {:.1} s", film.frames, film.since.elapsed().as_secs_f32());
+        }
+        _ => {}
+    }
+    *visibility = if shot.stage == Stage::Hidden { Visibility::Hidden } else { Visibility::Inherited };
+    place.rotation = Quat::from_rotation_y(shot.turn.to_radians());
+    let around = Quat::from_rotation_y(ANGLES[shot.angle].to_radians());
+    *camera.into_inner() = Transform::from_translation(around * Vec3::new(0.0, 1.7, 5.0))
+        .looking_at(Vec3::new(0.0, 1.1, 0.0), Vec3::Y);
+    film.under_way = true;
+    commands.spawn(Readback::texture(film.target.clone())).observe(take);
+}
+
+fn take(picture: On<ReadbackComplete>, mut commands: Commands, mut film: ResMut<Film>) {
+    commands.entity(picture.entity).despawn();
+    let Some(shot) = film.shots.pop_front() else { return };
+    film.taken.push((shot, Picture(picture.data.clone())));
+    film.under_way = false;
+}
+
+/// Writes the pictures, and says whether they are right.
+fn finish(film: &Film) -> AppExit {
+    info!("{} frames in {:.1} s", film.frames, film.since.elapsed().as_secs_f32());
+    let mut faults = messages::taken();
+    for (number, (shot, picture)) in film.taken.iter().enumerate() {
+        let name = format!("{number:02}_{}.png", format!("{:?}", shot.stage).to_lowercase());
+        if let Err(error) = picture.save(&film.out.join(name)) {
+            faults.push(error.to_string());
+        }
+    }
+    let plain = |angle| film.taken.iter().find(|(shot, _)| (shot.angle, shot.stage) == (angle, Stage::Hidden));
+    for (shot, picture) in &film.taken {
+        let Some((_, plain)) = plain(shot.angle) else { continue };
+        match shot.stage {
+            Stage::Unready if picture.0 != plain.0 => faults.push("something was seen before it was ready".to_owned()),
+            Stage::Painted => faults.extend(checks::faults(plain, picture, shot.angle)),
+            _ => {}
+        }
+    }
+    for fault in &faults {
+        error!("{fault}");
+    }
+    if !faults.is_empty() {
+        return AppExit::error();
+    }
+    info!("all checks passed; the pictures are in {}", film.out.display());
+    AppExit::Success
+}

@@ -1,0 +1,131 @@
+//! All that reaches below wgpu: its raw handles, and command buffers that impasto records into. All `unsafe` is here.
+//!
+//! wgpu keeps track of the layouts of its textures, and of what a command buffer does with them. It knows nothing of
+//! what is recorded into raw handles. So a texture is first brought to a state that is known, by
+//! `transition_resources` in a command buffer of wgpu's; then comes one that holds raw commands alone, as wgpu wants
+//! it, and leaves the texture in that very state, with a barrier of its own.
+
+use ash::vk;
+use bevy::render::render_resource::{Texture, TextureView};
+use bevy::render::renderer::{RenderAdapter, RenderContext, RenderDevice, RenderInstance};
+use impasto::gpu::{Context, HostDevice, Image, ImageDesc, Recorder, ResourceState};
+use impasto::{Error, Result};
+use wgpu::hal::api::Vulkan;
+use wgpu::{TextureTransition, TextureUses};
+
+/// A context on Bevy's device.
+///
+/// # Errors
+/// [`Error::Device`] on a backend other than Vulkan, or for a device that impasto cannot use.
+pub fn context(device: &RenderDevice, adapter: &RenderAdapter, instance: &RenderInstance) -> Result<Context> {
+    let no_vulkan = || Error::Device("Bevy renders by another backend than Vulkan".to_owned());
+    // SAFETY: no handle is destroyed through these; the caller keeps the device for as long as the context.
+    let (device, adapter, instance) = unsafe {
+        (
+            device.wgpu_device().as_hal::<Vulkan>().ok_or_else(no_vulkan)?,
+            adapter.as_hal::<Vulkan>().ok_or_else(no_vulkan)?,
+            instance.as_hal::<Vulkan>().ok_or_else(no_vulkan)?,
+        )
+    };
+    let shared = instance.shared_instance();
+    let host = HostDevice {
+        instance: shared.raw_instance().clone(),
+        physical_device: adapter.raw_physical_device(),
+        device: device.raw_device().clone(),
+        queue_family: device.queue_family_index(),
+        // None is needed.
+        enabled_features: vk::PhysicalDeviceFeatures::default(),
+        pipeline_cache: vk::PipelineCache::null(),
+        debug_utils: shared.extensions().contains(&ash::ext::debug_utils::NAME),
+        memory_budget: None,
+    };
+    // SAFETY: the handles are live and belong together; `Painter` drops the context before the device, and waits for
+    // the GPU first.
+    unsafe { Context::from_host(host) }
+}
+
+/// Adds a command buffer to the frame and lets `record` record into it.
+///
+/// `textures` are brought to the given states before; `record` is to leave them there.
+///
+/// # Errors
+/// Those of `record`; what it has recorded so far is part of the frame nonetheless.
+pub fn record<R>(
+    ctx: &mut RenderContext,
+    context: &Context,
+    textures: &[(&Texture, TextureUses)],
+    record: impl FnOnce(&mut Recorder<'_>) -> Result<R>,
+) -> Result<R> {
+    if !textures.is_empty() {
+        let states = textures.iter().map(|(texture, state)| TextureTransition {
+            texture: &***texture,
+            selector: None,
+            state: *state,
+        });
+        ctx.command_encoder().transition_resources(std::iter::empty(), states);
+    }
+    let label = wgpu::CommandEncoderDescriptor { label: Some("impasto") };
+    let mut encoder = ctx.render_device().create_command_encoder(&label);
+    // SAFETY: the command buffer is neither ended nor destroyed here, and the encoder is used for nothing else. Bevy
+    // submits the command buffers of a frame in the order in which they were added, to one queue.
+    let recorded = unsafe {
+        encoder.as_hal_mut::<Vulkan, _, _>(|raw| match raw {
+            Some(raw) => record(&mut Recorder::new(context, raw.raw_handle(), None)),
+            None => Err(Error::Device("the command encoder of the frame is not one of Vulkan's".to_owned())),
+        })
+    };
+    ctx.add_command_buffer(encoder.finish());
+    recorded
+}
+
+/// How wgpu leaves a texture in this state, and wants it back.
+pub fn state(of: TextureUses) -> ResourceState {
+    use vk::{AccessFlags as A, ImageLayout as L, PipelineStageFlags as S};
+    match of {
+        TextureUses::COLOR_TARGET => ResourceState::from_host(
+            S::COLOR_ATTACHMENT_OUTPUT,
+            A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
+            L::COLOR_ATTACHMENT_OPTIMAL,
+        ),
+        _ => ResourceState::from_host(
+            S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
+            A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
+            L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+        ),
+    }
+}
+
+/// Tells that the image is again in the state that [`record`] has brought its texture to.
+pub fn take(image: &Image, of: TextureUses) {
+    // SAFETY: that is what `record` does, before anything of impasto's.
+    unsafe { image.set_state(state(of)) };
+}
+
+/// Bevy's texture as impasto's image; the view must be kept for as long as it.
+///
+/// # Errors
+/// [`Error::Device`] for a texture of another backend, [`Error::Parameter`] for a format that is no view's.
+pub fn image(context: &Context, texture: &Texture, view: &TextureView, of: TextureUses) -> Result<Image> {
+    let format = match texture.format() {
+        wgpu::TextureFormat::Rgba8Unorm => vk::Format::R8G8B8A8_UNORM,
+        wgpu::TextureFormat::Rgba8UnormSrgb => vk::Format::R8G8B8A8_SRGB,
+        wgpu::TextureFormat::Bgra8Unorm => vk::Format::B8G8R8A8_UNORM,
+        wgpu::TextureFormat::Bgra8UnormSrgb => vk::Format::B8G8R8A8_SRGB,
+        wgpu::TextureFormat::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
+        wgpu::TextureFormat::Depth32Float => vk::Format::D32_SFLOAT,
+        other => return Err(Error::parameter("format of the view", format!("{other:?}"), "8 bits, or half floats")),
+    };
+    let usage = match of {
+        TextureUses::COLOR_TARGET => vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        _ => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+    };
+    let desc = ImageDesc { size_px: [texture.width(), texture.height(), 1], format, usage };
+    // SAFETY: nothing is destroyed through the handles.
+    let (texture, view) = unsafe { (texture.as_hal::<Vulkan>(), view.as_hal::<Vulkan>()) };
+    let (Some(texture), Some(view)) = (texture, view) else {
+        return Err(Error::Device("the view's texture is not one of Vulkan's".to_owned()));
+    };
+    // SAFETY: the image is what `desc` says, in the state that `record` brings it to, and lives as long as its view,
+    // which the caller keeps.
+    Ok(unsafe { Image::from_host(context, texture.raw_handle(), view.raw_handle(), &desc, state(of)) })
+}
