@@ -78,6 +78,7 @@
 //! ```
 #![warn(missing_docs)]
 
+pub mod embed;
 pub mod error;
 pub mod gpu;
 pub mod metric;

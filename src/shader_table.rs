@@ -1,5 +1,6 @@
 //! Every shader that is built in, for the test that compares Rust's tables with what the SPIR-V itself says.
 
+use crate::embed;
 use crate::gpu::ceilings::kernels;
 use crate::gpu::{RasterShader, Shader};
 use crate::metric;
@@ -46,6 +47,7 @@ pub fn shaders() -> Vec<(&'static str, Shader)> {
 pub fn raster_shaders() -> Vec<(&'static str, &'static str, RasterShader)> {
     vec![
         ("scene/guide.vert", "scene/guide.frag", scene::GUIDE),
+        ("technique/picture.vert", "embed/composite.frag", embed::COMPOSITE),
         ("technique/object.vert", "technique/object.frag", object::OBJECT),
         ("technique/picture.vert", "technique/image_carry.frag", image::IMAGE_CARRY),
         ("technique/picture.vert", "technique/image_settle.frag", image::IMAGE_SETTLE),

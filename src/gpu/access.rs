@@ -35,9 +35,11 @@ pub enum Access {
     Indirect,
     /// Rendered to as a colour attachment that is cleared first.
     ColorAttachment,
+    /// Rendered over as a colour attachment: what is there stays, or is blended with.
+    ColorBlend,
     /// Rendered to and tested against as a depth attachment that is cleared first.
     DepthAttachment,
-    /// Tested against as a depth attachment whose content stays as it is.
+    /// Tested against as a depth attachment whose content stays, but where a pass writes to it.
     DepthTest,
     /// Read by the host after a wait for the submission.
     HostRead,
@@ -76,6 +78,7 @@ impl Access {
             Access::ColorAttachment => {
                 (S::COLOR_ATTACHMENT_OUTPUT, color_access, L::COLOR_ATTACHMENT_OPTIMAL, true, true)
             }
+            Access::ColorBlend => (S::COLOR_ATTACHMENT_OUTPUT, color_access, L::COLOR_ATTACHMENT_OPTIMAL, true, false),
             Access::DepthAttachment => (depth, depth_access, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, true, true),
             // A render pass stores what it has loaded, which counts as a write.
             Access::DepthTest => (depth, depth_access, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, true, false),
@@ -136,7 +139,8 @@ impl ResourceState {
         }
     }
 
-    /// A resource that a host hands over: last written by `stages` and `access`, an image lying in `layout`.
+    /// A resource that a host hands over: last used by `stages` and `access`, an image lying in `layout`. Or one that a
+    /// host is handed, and will use so next ([`super::Recorder::hand_over`]).
     pub fn from_host(stages: vk::PipelineStageFlags, access: vk::AccessFlags, layout: vk::ImageLayout) -> Self {
         ResourceState { write_stages: stages, write_access: access, layout, ..Self::fresh() }
     }
@@ -144,6 +148,24 @@ impl ResourceState {
     /// The layout that an image lies in after all that was recorded.
     pub fn layout(&self) -> vk::ImageLayout {
         self.layout
+    }
+
+    /// Gives the image up to a host, and answers with the barrier that has to stand before its use.
+    pub(crate) fn hand_over(&mut self, to: ResourceState) -> Barrier {
+        let mut src_stages = self.write_stages | self.read_stages;
+        if src_stages.is_empty() {
+            src_stages = vk::PipelineStageFlags::TOP_OF_PIPE;
+        }
+        let barrier = Barrier {
+            src_stages,
+            src_access: self.write_access,
+            dst_stages: to.write_stages,
+            dst_access: to.write_access,
+            old_layout: self.layout,
+            new_layout: to.layout,
+        };
+        *self = to;
+        barrier
     }
 
     /// Notes `next`, and answers with the barrier that has to stand before it, if one has to.
@@ -262,6 +284,27 @@ mod tests {
         let copy = got[2].expect("a read in another layout waits for the reads before it");
         assert!(copy.src_stages.contains(S::COMPUTE_SHADER));
         assert_eq!(got[3].map(|b| b.old_layout), Some(L::UNDEFINED));
+    }
+
+    #[test]
+    fn a_host_is_handed_what_it_wants_and_counts_as_its_last_user() {
+        let mut state = ResourceState::fresh();
+        state.transition(Access::ColorAttachment, true);
+        let sampled = ResourceState::from_host(S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL);
+        let handed = state.hand_over(sampled);
+        assert_eq!((handed.src_stages, handed.dst_stages), (S::COLOR_ATTACHMENT_OUTPUT, S::FRAGMENT_SHADER));
+        assert!(handed.src_access.contains(A::COLOR_ATTACHMENT_WRITE));
+        assert_eq!((handed.old_layout, handed.new_layout), (L::COLOR_ATTACHMENT_OPTIMAL, L::SHADER_READ_ONLY_OPTIMAL));
+        let again = state.transition(Access::ColorAttachment, true).expect("the host has read it");
+        assert_eq!(again.src_stages, S::FRAGMENT_SHADER);
+    }
+
+    #[test]
+    fn what_is_drawn_over_is_kept() {
+        let got = states(&[Access::TransferWrite, Access::ColorBlend, Access::ColorBlend], true);
+        let over = got[1].expect("another layout");
+        assert_eq!((over.old_layout, over.new_layout), (L::TRANSFER_DST_OPTIMAL, L::COLOR_ATTACHMENT_OPTIMAL));
+        assert_eq!(got[2].map(|b| (b.src_access, b.old_layout)), Some((over.dst_access, over.new_layout)));
     }
 
     #[test]

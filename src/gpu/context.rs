@@ -237,6 +237,7 @@ pub(crate) struct Inner {
     pub budget: u64,
     graveyard: Mutex<Vec<(u64, Garbage)>>,
     frame: AtomicU64,
+    safe_frame: AtomicU64,
     next_id: AtomicU64,
     /// Held by a runner from recording to the end of its wait: the queue may be used by one thread at a time.
     pub running: Mutex<()>,
@@ -362,6 +363,7 @@ impl Context {
     /// and including `safe_frame` has run. Objects dropped in safe frames are destroyed now.
     pub fn advance(&self, current_frame: u64, safe_frame: u64) {
         self.inner.frame.store(current_frame, Ordering::Relaxed);
+        self.inner.safe_frame.store(safe_frame, Ordering::Relaxed);
         let mut graveyard = lock(&self.inner.graveyard);
         let (safe, kept) = std::mem::take(&mut *graveyard).into_iter().partition(|(frame, _)| *frame <= safe_frame);
         *graveyard = kept;
@@ -372,6 +374,11 @@ impl Context {
     /// The current frame's number.
     pub(crate) fn frame(&self) -> u64 {
         self.inner.frame.load(Ordering::Relaxed)
+    }
+
+    /// The last frame that is known to have run.
+    pub(crate) fn safe_frame(&self) -> u64 {
+        self.inner.safe_frame.load(Ordering::Relaxed)
     }
 
     pub(crate) fn inner(&self) -> &Inner {
@@ -443,6 +450,7 @@ impl Inner {
             budget: budget.unwrap_or(DEFAULT_BUDGET),
             graveyard: Mutex::new(Vec::new()),
             frame: AtomicU64::new(1),
+            safe_frame: AtomicU64::new(0),
             next_id: AtomicU64::new(1),
             running: Mutex::new(()),
         })

@@ -495,8 +495,12 @@ impl Drop for SamplerInner {
 }
 
 fn whole_range(format: vk::Format) -> vk::ImageSubresourceRange {
-    let depth = matches!(format, vk::Format::D32_SFLOAT | vk::Format::X8_D24_UNORM_PACK32);
-    let aspect = if depth { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR };
+    use vk::{Format as F, ImageAspectFlags as A};
+    let aspect = match format {
+        F::D32_SFLOAT | F::D16_UNORM | F::X8_D24_UNORM_PACK32 => A::DEPTH,
+        F::D24_UNORM_S8_UINT | F::D32_SFLOAT_S8_UINT => A::DEPTH | A::STENCIL,
+        _ => A::COLOR,
+    };
     vk::ImageSubresourceRange {
         aspect_mask: aspect,
         base_mip_level: 0,

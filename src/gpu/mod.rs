@@ -21,6 +21,7 @@ mod validation;
 
 pub use access::{Access, Barrier, ResourceState};
 pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
+pub(crate) use context::lock;
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
 pub(crate) use memory::Sampler;
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};

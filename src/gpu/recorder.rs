@@ -6,7 +6,7 @@
 //! `vkCmdPipelineBarrier` before the pass. Command buffers must therefore run in the order in which they were recorded,
 //! on one queue. Inside a pass nothing is synchronised: its dispatches must not depend on each other.
 
-use super::access::{Access, Barrier};
+use super::access::{Access, Barrier, ResourceState};
 use super::context::Context;
 use super::memory::{Buffer, Image};
 use super::pipeline::{BindingSet, ComputePipeline};
@@ -129,17 +129,7 @@ impl<'a> Recorder<'a> {
                     memory.dst_access_mask |= barrier.dst_access;
                     any_memory = true;
                 }
-                Use::Image(image, _) => images.push(
-                    vk::ImageMemoryBarrier::default()
-                        .src_access_mask(barrier.src_access)
-                        .dst_access_mask(barrier.dst_access)
-                        .old_layout(barrier.old_layout)
-                        .new_layout(barrier.new_layout)
-                        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                        .image(image.handle())
-                        .subresource_range(image.range()),
-                ),
+                Use::Image(image, _) => images.push(image_barrier(image, &barrier)),
             }
         }
         if src.is_empty() || self.omit_barriers {
@@ -221,6 +211,20 @@ impl<'a> Recorder<'a> {
             }
             dispatch(device, commands);
         });
+    }
+
+    /// Leaves an image as its next user wants it: in a layout, with what was written to it visible to these stages and
+    /// accesses. For a host that takes over an image from here.
+    pub fn hand_over(&mut self, image: &Image, to: ResourceState) {
+        let barrier = image.state().hand_over(to);
+        if self.omit_barriers {
+            return;
+        }
+        let barriers = [image_barrier(image, &barrier)];
+        let (device, none) = (self.context.device(), vk::DependencyFlags::empty());
+        let (src, dst) = (barrier.src_stages, barrier.dst_stages);
+        // SAFETY: the command buffer is recording outside of a render pass (`new`); the image is live.
+        unsafe { device.cmd_pipeline_barrier(self.commands, src, dst, none, &[], &[], &barriers) };
     }
 
     /// Copies all of `from` to the start of `to`.
@@ -347,4 +351,16 @@ impl<'a> Recorder<'a> {
             }
         });
     }
+}
+
+fn image_barrier(image: &Image, barrier: &Barrier) -> vk::ImageMemoryBarrier<'static> {
+    vk::ImageMemoryBarrier::default()
+        .src_access_mask(barrier.src_access)
+        .dst_access_mask(barrier.dst_access)
+        .old_layout(barrier.old_layout)
+        .new_layout(barrier.new_layout)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .image(image.handle())
+        .subresource_range(image.range())
 }

@@ -28,10 +28,18 @@ pub(crate) struct Attachment {
 pub(crate) enum Role {
     /// Drawn to.
     Color,
+    /// Drawn over what is there, by its straight alpha.
+    ColorOver,
     /// Depth, which must be the last attachment: the nearest is drawn.
     Depth,
     /// Depth that was drawn before, the last attachment too: what lies behind it is drawn, and it stays as it is.
     DepthBefore,
+    /// Depth of a host's, the last attachment too: what lies before it, or as near, is drawn, and written to it.
+    /// `reversed` says that nearer is more.
+    DepthOver {
+        /// Nearer is more.
+        reversed: bool,
+    },
 }
 
 impl Attachment {
@@ -40,21 +48,22 @@ impl Attachment {
     }
 
     fn is_depth(self) -> bool {
-        self.role != Role::Color
+        !matches!(self.role, Role::Color | Role::ColorOver)
     }
 
     fn access(self) -> Access {
         match self.role {
             Role::Color => Access::ColorAttachment,
             Role::Depth => Access::DepthAttachment,
-            Role::DepthBefore => Access::DepthTest,
+            Role::ColorOver => Access::ColorBlend,
+            Role::DepthBefore | Role::DepthOver { .. } => Access::DepthTest,
         }
     }
 
     fn load_op(self) -> vk::AttachmentLoadOp {
         match self.role {
-            Role::DepthBefore => vk::AttachmentLoadOp::LOAD,
-            _ => vk::AttachmentLoadOp::CLEAR,
+            Role::Color | Role::Depth => vk::AttachmentLoadOp::CLEAR,
+            Role::ColorOver | Role::DepthBefore | Role::DepthOver { .. } => vk::AttachmentLoadOp::LOAD,
         }
     }
 }
@@ -80,8 +89,9 @@ impl RenderPass {
                     .samples(vk::SampleCountFlags::TYPE_1)
                     .load_op(a.load_op())
                     .store_op(vk::AttachmentStoreOp::STORE)
-                    .stencil_load_op(vk::AttachmentLoadOp::DONT_CARE)
-                    .stencil_store_op(vk::AttachmentStoreOp::DONT_CARE)
+                    // A host's depth may come with a stencil, which is not ours.
+                    .stencil_load_op(a.load_op())
+                    .stencil_store_op(vk::AttachmentStoreOp::STORE)
                     .initial_layout(a.layout())
                     .final_layout(a.layout())
             })
@@ -273,15 +283,20 @@ impl RasterPipeline {
             .line_width(1.0);
         let samples =
             vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
-        let drawn = pass.attachments.iter().any(|a| a.role == Role::Depth);
-        let before = pass.attachments.iter().any(|a| a.role == Role::DepthBefore);
-        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(drawn || before)
-            .depth_write_enable(drawn)
-            .depth_compare_op(if before { vk::CompareOp::GREATER } else { vk::CompareOp::LESS });
-        let write_all =
-            vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
-        let blends = vec![write_all; pass.attachments.iter().filter(|a| !a.is_depth()).count()];
+        // Whether depth is written, and what is drawn.
+        let test = pass.attachments.iter().find_map(|a| match a.role {
+            Role::Color | Role::ColorOver => None,
+            Role::Depth => Some((true, vk::CompareOp::LESS)),
+            Role::DepthBefore => Some((false, vk::CompareOp::GREATER)),
+            Role::DepthOver { reversed: false } => Some((true, vk::CompareOp::LESS_OR_EQUAL)),
+            Role::DepthOver { reversed: true } => Some((true, vk::CompareOp::GREATER_OR_EQUAL)),
+        });
+        let mut depth = vk::PipelineDepthStencilStateCreateInfo::default();
+        if let Some((write, compare)) = test {
+            depth = depth.depth_test_enable(true).depth_write_enable(write).depth_compare_op(compare);
+        }
+        let colors = pass.attachments.iter().filter(|a| !a.is_depth());
+        let blends: Vec<_> = colors.map(|a| color_blend(a.role)).collect();
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
         let dynamics = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamics);
@@ -307,6 +322,19 @@ impl RasterPipeline {
         let pipelines = made.map_err(|(_, result)| vulkan("vkCreateGraphicsPipelines")(result))?;
         Ok(pipelines.first().copied().unwrap_or_default())
     }
+}
+
+/// How what is drawn meets what is there.
+fn color_blend(role: Role) -> vk::PipelineColorBlendAttachmentState {
+    let (all, one) = (vk::ColorComponentFlags::RGBA, vk::BlendFactor::ONE);
+    let over = vk::BlendFactor::ONE_MINUS_SRC_ALPHA;
+    vk::PipelineColorBlendAttachmentState::default()
+        .color_write_mask(all)
+        .blend_enable(role == Role::ColorOver)
+        .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+        .dst_color_blend_factor(over)
+        .src_alpha_blend_factor(one)
+        .dst_alpha_blend_factor(over)
 }
 
 impl Bindable for RasterPipeline {

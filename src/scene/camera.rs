@@ -75,6 +75,51 @@ impl Camera {
         })
     }
 
+    /// The camera of a host that has matrices: world space to view space, and view space to clip space with depth 0 to
+    /// 1. The view may look along -z or +z; y may point up or down in clip space; depth may be reversed; a far plane at
+    /// infinity is put at a million times the near one, and [`Camera::fit_depth`] brings both close to a model.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a view that does not only turn and move, that is a mirror of the world, and for a
+    /// projection that is no perspective, or an off-centre one: paint does not want the jitter of temporal antialiasing.
+    pub fn from_matrices(view: &Mat4, projection: &Mat4) -> Result<Self> {
+        /// How far off rounding may be.
+        const ROUNDING: f32 = 1e-3;
+        let bad = |allowed| Err(Error::parameter("projection", projection, allowed));
+        if !view.is_finite() || !projection.is_finite() {
+            return Err(Error::parameter("matrices", "not finite", "finite"));
+        }
+        let (z, w) = (projection.z_axis, projection.w_axis);
+        if z.w.abs() != 1.0 || w.w != 0.0 || projection.x_axis.x == 0.0 || projection.y_axis.y == 0.0 {
+            return bad("a perspective one");
+        }
+        if z.x.abs().max(z.y.abs()) > 1e-6 {
+            return bad("centred, without jitter");
+        }
+        let [right, up, ahead] = [0, 1, 2].map(|row| view.row(row).truncate());
+        let forward = ahead * z.w;
+        let rigid = glam::Mat3::from_cols(right, up, forward);
+        let off = rigid * rigid.transpose() - glam::Mat3::IDENTITY;
+        if off.to_cols_array().iter().any(|entry| entry.abs() > ROUNDING) || view.row(3) != glam::Vec4::W {
+            return Err(Error::parameter("view", view, "a turn and a move"));
+        }
+        if forward.cross(up).dot(right) * projection.x_axis.x < 0.0 {
+            return Err(Error::parameter("view", view, "no mirror: right, up and back must be right-handed"));
+        }
+        let fov_y_deg = 2.0 * (1.0 / projection.y_axis.y.abs()).atan().to_degrees();
+        check_fov(fov_y_deg)?;
+        let moved = view.w_axis.truncate().as_dvec3();
+        let eye = -(moved.x * right.as_dvec3() + moved.y * up.as_dvec3() + moved.z * ahead.as_dvec3()).as_vec3();
+        // Depth is a + b / distance: the planes are where it is 0 and 1.
+        let (a, b) = (f64::from(z.z / z.w), f64::from(w.z));
+        let planes = [-b / a, b / (1.0 - a)].map(f64::abs);
+        let near = planes[0].min(planes[1]);
+        let far = planes[0].max(planes[1]).min(near * 1e6);
+        let (forward, up) = (forward.normalize(), up.normalize());
+        Self { eye, target: eye + forward, forward, up, fov_y_deg, near: 0.0, far: 0.0 }
+            .with_planes(near as f32, far as f32)
+    }
+
     /// The same camera with near and far planes close around what of the mesh, at rest, lies in front of it;
     /// [`Moment::fit_depth`](super::Moment::fit_depth) heeds its objects' poses.
     pub fn fit_depth(self, mesh: &Mesh) -> Self {

@@ -16,7 +16,7 @@ pub mod image;
 pub mod object;
 
 mod colors;
-mod picture_pass;
+pub(crate) mod picture_pass;
 
 use crate::gpu::{Context, Image, ImageDesc, Uploads};
 use crate::paint::{TextureDifference, Trajectory};
@@ -120,7 +120,7 @@ fn paint_picture(context: &Context, uploads: &mut Uploads, paint_of_object: &[u3
 }
 
 /// Checks how many paints there are, and that every object has one of them.
-fn check_paints(paints: usize, paint_of_object: &[u32], objects: usize) -> Result<()> {
+pub(crate) fn check_paints(paints: usize, paint_of_object: &[u32], objects: usize) -> Result<()> {
     if !(1..=MAX_PAINTS).contains(&paints) {
         return Err(Error::parameter("paints", paints, format!("1 to {MAX_PAINTS}")));
     }

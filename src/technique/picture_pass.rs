@@ -10,7 +10,7 @@ use crate::gpu::{
 use crate::Result;
 
 /// The vertex shader of all of them: picture.vert.
-pub(super) const PICTURE: &[u8] = include_bytes!("../../glsl/spirv/technique/picture.vert.spv");
+pub(crate) const PICTURE: &[u8] = include_bytes!("../../glsl/spirv/technique/picture.vert.spv");
 
 /// The pass.
 pub(super) struct PicturePass {

@@ -1,5 +1,6 @@
 //! Projection of known points, and cameras that frame a model by themselves.
 
+use glam::Mat4;
 use impasto::scene::{Camera, Framing, Mesh, MeshOptions, Vec3};
 
 /// Where a point lands: x and y from -1 (left, top) to 1 (right, bottom), and depth.
@@ -218,4 +219,46 @@ fn a_camera_goes_around_and_away_from_what_it_looks_at() {
     assert_eq!((far.near(), far.far(), far.fov_y_deg()), (camera.near(), camera.far(), 40.0));
     assert!(camera.orbited(f32::NAN, Vec3::Y).is_err() && camera.orbited(1.0, Vec3::ZERO).is_err());
     assert!(camera.moved_away(0.0).is_err() && camera.moved_away(-1.0).is_err());
+}
+
+/// A host's matrices give the camera back that they came from, whichever way its clip space runs.
+#[test]
+fn a_hosts_matrices_are_a_camera() {
+    use glam::camera::rh::proj::{directx, vulkan};
+    let eye = Vec3::new(1234.5, -20.25, 77.0);
+    let camera = Camera::look_at(eye, eye + Vec3::new(3.0, 1.0, -2.0), Some(Vec3::new(0.1, 1.0, 0.0)), 35.0);
+    let camera = camera.expect("a camera").with_planes(0.5, 200.0).expect("planes");
+    let (view, fov) = (camera.view(), 35f32.to_radians());
+    let flip = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
+    let left = glam::camera::lh::proj::vulkan::perspective(fov, 1.6, 0.5, 200.0);
+    let cases = [
+        ("ours", view, camera.projection(1.6).expect("a projection"), 200.0),
+        ("y up", view, directx::perspective(fov, 1.6, 0.5, 200.0), 200.0),
+        ("reversed", view, vulkan::perspective(fov, 1.6, 200.0, 0.5), 200.0),
+        ("reversed, infinite, y up", view, directx::perspective_infinite_reverse(fov, 1.6, 0.5), 0.5e6),
+        ("along +z", flip * view, left, 200.0),
+    ];
+    for (name, view, projection, far) in cases {
+        let found = Camera::from_matrices(&view, &projection).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(found.eye().distance(camera.eye()) < 1e-3, "{name}: {found:?}");
+        assert!(found.forward().distance(camera.forward()) < 1e-5, "{name}: {found:?}");
+        assert!(found.up().distance(camera.up()) < 1e-5, "{name}: {found:?}");
+        assert!((found.fov_y_deg() - 35.0).abs() < 1e-3, "{name}: {found:?}");
+        assert!((found.near() - 0.5).abs() < 1e-3 && (found.far() / far - 1.0).abs() < 1e-2, "{name}: {found:?}");
+    }
+    let projection = camera.projection(1.6).expect("a projection");
+    let mut jittered = projection;
+    jittered.z_axis.x = 0.01;
+    let mirrored = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0)) * view;
+    let flat = glam::camera::rh::proj::vulkan::orthographic(-1.0, 1.0, -1.0, 1.0, 0.1, 10.0);
+    for (view, projection, word) in [
+        (view, jittered, "jitter"),
+        (view, flat, "perspective"),
+        (mirrored, projection, "mirror"),
+        (Mat4::from_scale(Vec3::splat(2.0)) * view, projection, "turn"),
+        (view * f32::NAN, projection, "finite"),
+    ] {
+        let error = Camera::from_matrices(&view, &projection).expect_err(word).to_string();
+        assert!(error.contains(word), "{error}");
+    }
 }

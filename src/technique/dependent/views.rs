@@ -7,14 +7,15 @@ use crate::scene::{Lights, Mesh};
 #[cfg(doc)]
 use crate::Error;
 use crate::Result;
+use std::ops::Deref;
 
-/// The search for the views that show all faces (thesis chapter 8), a round at a time.
+/// The search for the views that show all faces (thesis chapter 8), a round at a time. Borrows the mesh, or shares it.
 ///
 /// ```text
 /// new -> [ uploads, record -> the host submits and waits -> advance ] as long as advance says so -> finish
 /// ```
-pub struct ViewCoverage<'a> {
-    mesh: &'a Mesh,
+pub struct ViewCoverage<M> {
+    mesh: M,
     size_px: u32,
     coverage: Coverage,
     faces: Option<FacePass>,
@@ -22,13 +23,13 @@ pub struct ViewCoverage<'a> {
     pictures: Vec<Buffer>,
 }
 
-impl<'a> ViewCoverage<'a> {
+impl<M: Deref<Target = Mesh>> ViewCoverage<M> {
     /// Prepares the first round: all faces, seen from `views`, in pictures of `size_px` pixels a side.
     ///
     /// # Errors
     /// Those of [`Coverage::new`]; [`Error::Memory`] when the budget does not allow it.
-    pub fn new(context: &Context, uploads: &mut Uploads, mesh: &'a Mesh, views: &[View], size_px: u32) -> Result<Self> {
-        let coverage = Coverage::new(mesh, views, size_px)?;
+    pub fn new(context: &Context, uploads: &mut Uploads, mesh: M, views: &[View], size_px: u32) -> Result<Self> {
+        let coverage = Coverage::new(&mesh, views, size_px)?;
         let mut this = ViewCoverage { mesh, size_px, coverage, faces: None, face_count: 0, pictures: Vec::new() };
         this.prepare(context, uploads)?;
         Ok(this)
@@ -38,7 +39,7 @@ impl<'a> ViewCoverage<'a> {
         self.faces = None;
         let Some(round) = self.coverage.round() else { return Ok(()) };
         self.face_count = round.faces.len() as u32;
-        let faces = FacePass::new(context, uploads, self.mesh, self.size_px, round.faces.iter().copied())?;
+        let faces = FacePass::new(context, uploads, &self.mesh, self.size_px, round.faces.iter().copied())?;
         while self.pictures.len() < round.cameras.len() {
             let bytes = u64::from(self.size_px) * u64::from(self.size_px) * 4;
             self.pictures.push(Buffer::new(context, "faces of a view", BufferKind::Readback, bytes)?);
@@ -83,13 +84,7 @@ impl<'a> ViewCoverage<'a> {
     ///
     /// # Errors
     /// Those of the steps, and of [`Runner::run`].
-    pub fn run(
-        context: &Context,
-        runner: &mut Runner,
-        mesh: &'a Mesh,
-        views: &[View],
-        size_px: u32,
-    ) -> Result<Covered> {
+    pub fn run(context: &Context, runner: &mut Runner, mesh: M, views: &[View], size_px: u32) -> Result<Covered> {
         let mut uploads = Uploads::default();
         let mut this = ViewCoverage::new(context, &mut uploads, mesh, views, size_px)?;
         loop {

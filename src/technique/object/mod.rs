@@ -200,6 +200,11 @@ impl ObjectTechnique {
         self.colors.set(context, uploads, paint, trajectory)
     }
 
+    /// Depth, 0 near to 1 far; 1 where nothing is.
+    pub fn depth(&self) -> &Image {
+        self.mesh.depth()
+    }
+
     /// The frame: R8G8B8A8_UNORM, straight alpha, background 0.
     pub fn frame(&self) -> &Image {
         &self.frame
