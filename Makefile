@@ -54,11 +54,11 @@ bench:
 	@scripts/setup demo
 	$(CARGO) bench --locked --bench ceilings --bench synthesis --bench techniques --bench metrics
 
-# Outside of the tests, since Bevy takes long to build. All that it writes is in target/.
+# Outside of the tests, since Bevy takes long to build.
 embed-bevy:
 	@scripts/setup test
-	cd examples/impasto_bevy && CARGO_TARGET_DIR=../../target/bevy $(CARGO) run --locked --example head -- \
-		../../target/embed-bevy --validate
+	cd examples/impasto_bevy && $(CARGO) run --locked --example head -- ../../target/embed-bevy --validate
 
 clean:
 	$(CARGO) clean
+	rm -rf examples/impasto_bevy/target

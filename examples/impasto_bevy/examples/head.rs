@@ -1,7 +1,7 @@
-//! A painted head among Bevy's own things, without a window: writes pictures, and checks them.
+//! A painted head and a painted ball among Bevy's own things, without a window: writes pictures, and checks them.
 //!
-//! `cargo run --example head -- OUT_DIR [--validate]`. A blue post stands before the head and must hide paint; a red one stands
-//! behind it and must be hidden; a ring goes around its neck, and does both. The exit status is 1 when something is not
+//! `cargo run --example head -- OUT_DIR [--validate]`. A blue post stands before the head and must hide paint; a red
+//! one stands behind it and must be hidden; a ring around it does both. The exit status is 1 when something is not
 //! as it must be, or, with `--validate`, when Vulkan's validation layer has said anything.
 
 #[path = "head/checks.rs"]
@@ -20,11 +20,13 @@ use bevy::render::settings::{Backends, InstanceFlags, WgpuSettings};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::window::{ExitCondition, WindowPlugin};
 use checks::{Picture, SIZE_PX};
-use impasto_bevy::impasto::embed::Method;
+use impasto_bevy::impasto::embed::{EffectDesc, Method};
 use impasto_bevy::impasto::paint::PaintSample;
 use impasto_bevy::impasto::scene;
 use impasto_bevy::impasto::synthesis::params::QuiltParams;
+use impasto_bevy::impasto::technique::ShadeRange;
 use impasto_bevy::impasto::technique::aligned::{AlignedFrame, LevelParams};
+use impasto_bevy::impasto::technique::object::ObjectParams;
 use impasto_bevy::{ImpastoPlugin, Painted};
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -33,7 +35,9 @@ use std::time::{Duration, Instant};
 /// A preparation that takes longer than this is stuck.
 const PATIENCE: Duration = Duration::from_secs(300);
 /// From where the scene is seen, degrees around it.
-const ANGLES: [f32; 5] = [-30.0, -15.0, 0.0, 15.0, 30.0];
+const ANGLES: [f32; 5] = [-16.0, -8.0, 0.0, 8.0, 16.0];
+/// Until meshes and pipelines are there.
+const FIRST_FRAME: u32 = 5;
 
 fn main() -> AppExit {
     let (flags, folders): (Vec<_>, Vec<_>) = std::env::args_os().skip(1).partition(|word| word == "--validate");
@@ -51,7 +55,7 @@ fn main() -> AppExit {
     App::new()
         .add_plugins(DefaultPlugins.set(no_window).set(log).set(render))
         .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::ZERO))
-        .add_plugins(ImpastoPlugin::default())
+        .add_plugins(ImpastoPlugin { piece: 4 * EffectDesc::PIECE })
         .insert_resource(ClearColor(Color::srgb(0.86, 0.84, 0.80)))
         .insert_resource(Film::new(out))
         .add_systems(Startup, build)
@@ -59,9 +63,13 @@ fn main() -> AppExit {
         .run()
 }
 
-/// The thing that is filmed.
+/// What takes long to be prepared.
 #[derive(Component)]
 struct Head;
+
+/// What does not.
+#[derive(Component)]
+struct Ball;
 
 fn build(
     mut commands: Commands,
@@ -77,20 +85,30 @@ fn build(
     let levels = LevelParams { size_px: 256, quilt, ..LevelParams::default() };
     let method = Method::Aligned { levels, frame: AlignedFrame::default(), follow: true };
     // The model is 21 high.
-    commands.spawn((Painted::new(model, &strip, method)?, Head, Transform::from_scale(Vec3::splat(0.1))));
+    let place = Transform::from_xyz(0.0, 0.5, 0.0).with_scale(Vec3::splat(0.1));
+    commands.spawn((Painted::new(model, &strip, method)?, Head, place));
 
-    let mut thing = |mesh: Mesh, color: Color, place: Vec3| {
+    // A mesh of Bevy's, with another paint, by the technique that is there at once.
+    let ball = impasto_bevy::mesh(&Sphere::new(0.6).mesh().uv(48, 24))?;
+    let other = PaintSample::load(assets.join("strip_red_yellow.png"))?;
+    let method = Method::Object { params: ObjectParams::default(), range: ShadeRange::default() };
+    commands.spawn((Painted::new(ball, &other, method)?, Ball, Transform::from_xyz(1.0, 0.6, -0.6)));
+    film.palette = Some(checks::Palette::new(&[strip, other]));
+
+    let mut thing = |mesh: Mesh, color: Color, place: Transform| {
         let material = StandardMaterial { base_color: color, perceptual_roughness: 0.9, ..default() };
-        let place = Transform::from_translation(place);
         commands.spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(materials.add(material)), place));
     };
     let post = |width, height| Cuboid::new(width, height, width).into();
-    thing(Plane3d::new(Vec3::Y, Vec2::splat(4.0)).into(), Color::srgb(0.62, 0.60, 0.56), Vec3::ZERO);
-    thing(post(0.22, 2.2), Color::srgb(0.10, 0.25, 0.75), Vec3::new(0.15, 1.1, 1.5));
-    thing(post(0.4, 3.0), Color::srgb(0.75, 0.12, 0.10), Vec3::new(0.55, 1.5, -1.8));
-    thing(Torus::new(0.55, 0.75).into(), Color::srgb(0.45, 0.43, 0.45), Vec3::new(0.0, 0.55, 0.0));
+    let grey = Color::srgb(0.45, 0.43, 0.45);
+    thing(Plane3d::new(Vec3::Y, Vec2::splat(4.0)).into(), Color::srgb(0.62, 0.60, 0.56), Transform::IDENTITY);
+    thing(Cuboid::new(1.0, 0.5, 1.2).into(), grey, Transform::from_xyz(0.0, 0.25, 0.3));
+    thing(post(0.16, 2.4), Color::srgb(0.10, 0.25, 0.75), Transform::from_xyz(0.35, 1.2, 1.4));
+    thing(post(0.4, 3.2), Color::srgb(0.75, 0.12, 0.10), Transform::from_xyz(-0.4, 1.6, -1.4));
+    let ring = Transform::from_xyz(0.0, 1.8, 0.0).with_rotation(Quat::from_rotation_z(0.3));
+    thing(Torus::new(1.1, 1.2).into(), grey, ring);
 
-    let light = Transform::from_xyz(-3.0, 3.5, 2.5).looking_at(Vec3::Y, Vec3::Y);
+    let light = Transform::from_xyz(-8.0, 5.0, 3.5).looking_at(Vec3::ZERO, Vec3::Y);
     commands.spawn((DirectionalLight { illuminance: 8_000.0, ..default() }, light));
     let mut target = Image::new_target_texture(SIZE_PX, SIZE_PX, TextureFormat::Rgba8UnormSrgb, None);
     target.texture_descriptor.usage |= TextureUsages::COPY_SRC;
@@ -112,9 +130,9 @@ struct Shot {
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Stage {
-    /// The head is there, but nothing of it can be seen yet.
+    /// The head is there, but nothing of it can be seen yet; the ball is hidden.
     Unready,
-    /// The head is hidden.
+    /// Both are hidden.
     Hidden,
     Painted,
 }
@@ -129,6 +147,7 @@ struct Film {
     under_way: bool,
     since: Instant,
     frames: u32,
+    palette: Option<checks::Palette>,
 }
 
 impl Film {
@@ -139,7 +158,7 @@ impl Film {
         shots.extend((0..ANGLES.len()).map(shot(Stage::Painted)));
         shots.push_back(Shot { turn: 50.0, ..shot(Stage::Painted)(2) });
         let (target, taken) = (Handle::default(), Vec::new());
-        Film { out, target, shots, taken, under_way: false, since: Instant::now(), frames: 0 }
+        Film { out, target, shots, taken, under_way: false, since: Instant::now(), frames: 0, palette: None }
     }
 }
 
@@ -149,10 +168,11 @@ fn direct(
     mut film: ResMut<Film>,
     mut exit: MessageWriter<AppExit>,
     camera: Single<&mut Transform, (With<Camera3d>, Without<Head>)>,
-    head: Single<(&Painted, &mut Transform, &mut Visibility), With<Head>>,
+    head: Single<(&Painted, &mut Transform, &mut Visibility), (With<Head>, Without<Ball>)>,
+    ball: Single<&mut Visibility, With<Ball>>,
 ) {
     film.frames += 1;
-    if film.under_way {
+    if film.under_way || film.frames < FIRST_FRAME {
         return;
     }
     let Some(&shot) = film.shots.front() else {
@@ -179,11 +199,13 @@ fn direct(
         }
         _ => {}
     }
-    *visibility = if shot.stage == Stage::Hidden { Visibility::Hidden } else { Visibility::Inherited };
+    let shown_if = |shown| if shown { Visibility::Inherited } else { Visibility::Hidden };
+    *visibility = shown_if(shot.stage != Stage::Hidden);
+    *ball.into_inner() = shown_if(shot.stage == Stage::Painted);
     place.rotation = Quat::from_rotation_y(shot.turn.to_radians());
     let around = Quat::from_rotation_y(ANGLES[shot.angle].to_radians());
-    *camera.into_inner() = Transform::from_translation(around * Vec3::new(0.0, 1.7, 5.0))
-        .looking_at(Vec3::new(0.0, 1.1, 0.0), Vec3::Y);
+    *camera.into_inner() = Transform::from_translation(around * Vec3::new(0.0, 2.0, 5.2))
+        .looking_at(Vec3::new(0.1, 1.4, 0.0), Vec3::Y);
     film.under_way = true;
     commands.spawn(Readback::texture(film.target.clone())).observe(take);
 }
@@ -205,12 +227,13 @@ fn finish(film: &Film) -> AppExit {
             faults.push(error.to_string());
         }
     }
+    let Some(palette) = &film.palette else { return AppExit::error() };
     let plain = |angle| film.taken.iter().find(|(shot, _)| (shot.angle, shot.stage) == (angle, Stage::Hidden));
     for (shot, picture) in &film.taken {
         let Some((_, plain)) = plain(shot.angle) else { continue };
         match shot.stage {
             Stage::Unready if picture.0 != plain.0 => faults.push("something was seen before it was ready".to_owned()),
-            Stage::Painted => faults.extend(checks::faults(plain, picture, shot.angle)),
+            Stage::Painted => faults.extend(checks::faults(plain, picture, palette, shot.angle)),
             _ => {}
         }
     }

@@ -63,10 +63,10 @@ impl Painted {
 
 /// A painted entity in the render world.
 #[derive(Component, Clone)]
-pub(crate) struct Seen {
-    pub painted: Painted,
-    pub transform: GlobalTransform,
-    pub visible: bool,
+pub struct Seen {
+    pub(crate) painted: Painted,
+    pub(crate) transform: GlobalTransform,
+    pub(crate) visible: bool,
 }
 
 impl SyncComponent for Painted {

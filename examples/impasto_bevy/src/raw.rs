@@ -120,12 +120,15 @@ pub fn image(context: &Context, texture: &Texture, view: &TextureView, of: Textu
         _ => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
     };
     let desc = ImageDesc { size_px: [texture.width(), texture.height(), 1], format, usage };
+    // wgpu locks what lends its handles: one after the other.
     // SAFETY: nothing is destroyed through the handles.
-    let (texture, view) = unsafe { (texture.as_hal::<Vulkan>(), view.as_hal::<Vulkan>()) };
-    let (Some(texture), Some(view)) = (texture, view) else {
+    let handle = unsafe { texture.as_hal::<Vulkan>().map(|texture| texture.raw_handle()) };
+    // SAFETY: as above.
+    let view = unsafe { view.as_hal::<Vulkan>().map(|view| view.raw_handle()) };
+    let (Some(handle), Some(view)) = (handle, view) else {
         return Err(Error::Device("the view's texture is not one of Vulkan's".to_owned()));
     };
     // SAFETY: the image is what `desc` says, in the state that `record` brings it to, and lives as long as its view,
     // which the caller keeps.
-    Ok(unsafe { Image::from_host(context, texture.raw_handle(), view.raw_handle(), &desc, state(of)) })
+    Ok(unsafe { Image::from_host(context, handle, view, &desc, state(of)) })
 }

@@ -1,5 +1,6 @@
 //! Whether a picture shows paint where it must, and nowhere else.
 
+use impasto_bevy::impasto::paint::PaintSample;
 use std::path::Path;
 
 /// Side of the pictures, pixels.
@@ -18,6 +19,34 @@ impl Picture {
     }
 }
 
+/// Which colours strips of paint have, roughly: by cells of the colour cube, and those next to them.
+pub struct Palette(Vec<bool>);
+
+impl Palette {
+    const CELLS: usize = 16;
+
+    pub fn new(strips: &[PaintSample]) -> Self {
+        let mut cells = vec![false; Self::CELLS.pow(3)];
+        for [r, g, b, _] in strips.iter().flat_map(PaintSample::to_rgba8) {
+            let cell = [r, g, b].map(|c| usize::from(c) * Self::CELLS / 256);
+            for near in 0..27 {
+                let way = [near % 3, near / 3 % 3, near / 9];
+                let at = [0, 1, 2].map(|i| (cell[i] + way[i]).saturating_sub(1).min(Self::CELLS - 1));
+                cells[Self::index(at)] = true;
+            }
+        }
+        Self(cells)
+    }
+
+    fn index([r, g, b]: [usize; 3]) -> usize {
+        (r * Self::CELLS + g) * Self::CELLS + b
+    }
+
+    fn has(&self, pixel: [u8; 3]) -> bool {
+        self.0[Self::index(pixel.map(|c| usize::from(c) * Self::CELLS / 256))]
+    }
+}
+
 /// Blue, by at least 40: the post before the head.
 fn is_front([r, g, b]: [u8; 3]) -> bool {
     b > r.max(g).saturating_add(40)
@@ -28,8 +57,8 @@ fn is_back([r, g, b]: [u8; 3]) -> bool {
     r > g.max(b).saturating_add(40)
 }
 
-/// What is wrong with a painted picture, given the same one without the head.
-pub fn faults(plain: &Picture, painted: &Picture, angle: usize) -> Vec<String> {
+/// What is wrong with a painted picture, given the same one without what is painted.
+pub fn faults(plain: &Picture, painted: &Picture, palette: &Palette, angle: usize) -> Vec<String> {
     let before: Vec<_> = plain.pixels().collect();
     let after: Vec<_> = painted.pixels().collect();
     let changed: Vec<bool> = before.iter().zip(&after).map(|(a, b)| a != b).collect();
@@ -45,15 +74,14 @@ pub fn faults(plain: &Picture, painted: &Picture, angle: usize) -> Vec<String> {
     };
     let side = SIZE_PX as usize;
     let hiding: usize = changed.chunks(side).zip(before.chunks(side)).map(|(c, b)| hiding(c, b)).sum();
-    // The strip goes from green to yellow: there is nowhere less green than blue.
-    let strange = count(&|i| changed[i] && after[i][1] < after[i][2]);
+    let strange = count(&|i| changed[i] && !palette.has(after[i]));
     let least = before.len() / 20;
     let checks = [
         (paint > least, format!("{paint} pixels are painted")),
         (over_front == 0, format!("{over_front} pixels of the post before the head are painted over")),
         (over_back > 200, format!("{over_back} pixels of the post behind the head are painted over")),
         (hiding > 1000, format!("{hiding} pixels of the post before the head hide paint")),
-        (strange * 50 < paint, format!("{strange} painted pixels of {paint} have colours that the paint has not")),
+        (strange * 50 < paint, format!("{strange} painted pixels of {paint} have colours that the paints have not")),
     ];
     checks.into_iter().filter(|(right, _)| !right).map(|(_, what)| format!("view {angle}: {what}")).collect()
 }
