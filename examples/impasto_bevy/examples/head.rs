@@ -16,8 +16,8 @@ use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
-use bevy::render::settings::{Backends, InstanceFlags, WgpuSettings};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
+use bevy::render::settings::{Backends, InstanceFlags, WgpuSettings};
 use bevy::window::{ExitCondition, WindowPlugin};
 use checks::{Picture, SIZE_PX};
 use impasto_bevy::impasto::embed::{EffectDesc, Method};
@@ -52,7 +52,7 @@ fn main() -> AppExit {
     let settings = WgpuSettings { backends: Some(Backends::VULKAN), instance_flags, ..default() };
     // So that the first frame shows everything.
     let render = RenderPlugin { synchronous_pipeline_compilation: true, render_creation: settings.into(), ..default() };
-    App::new()
+    let exit = App::new()
         .add_plugins(DefaultPlugins.set(no_window).set(log).set(render))
         .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::ZERO))
         .add_plugins(ImpastoPlugin { piece: 4 * EffectDesc::PIECE })
@@ -60,7 +60,11 @@ fn main() -> AppExit {
         .insert_resource(Film::new(out))
         .add_systems(Startup, build)
         .add_systems(Update, direct)
-        .run()
+        .run();
+    // The device is gone now, which is when the layer tells of what is left.
+    let messages = messages::taken();
+    messages.iter().for_each(|message| eprintln!("{message}"));
+    if messages.is_empty() { exit } else { AppExit::error() }
 }
 
 /// What takes long to be prepared.
@@ -135,6 +139,8 @@ enum Stage {
     /// Both are hidden.
     Hidden,
     Painted,
+    /// Both have been taken away, in the middle of the last picture's frames.
+    Gone,
 }
 
 #[derive(Resource)]
@@ -157,6 +163,7 @@ impl Film {
         shots.extend((0..ANGLES.len()).map(shot(Stage::Hidden)));
         shots.extend((0..ANGLES.len()).map(shot(Stage::Painted)));
         shots.push_back(Shot { turn: 50.0, ..shot(Stage::Painted)(2) });
+        shots.push_back(shot(Stage::Gone)(2));
         let (target, taken) = (Handle::default(), Vec::new());
         Film { out, target, shots, taken, under_way: false, since: Instant::now(), frames: 0, palette: None }
     }
@@ -168,8 +175,8 @@ fn direct(
     mut film: ResMut<Film>,
     mut exit: MessageWriter<AppExit>,
     camera: Single<&mut Transform, (With<Camera3d>, Without<Head>)>,
-    head: Single<(&Painted, &mut Transform, &mut Visibility), (With<Head>, Without<Ball>)>,
-    ball: Single<&mut Visibility, With<Ball>>,
+    head: Option<Single<(Entity, &Painted, &mut Transform, &mut Visibility), (With<Head>, Without<Ball>)>>,
+    ball: Option<Single<(Entity, &mut Visibility), With<Ball>>>,
 ) {
     film.frames += 1;
     if film.under_way || film.frames < FIRST_FRAME {
@@ -179,35 +186,50 @@ fn direct(
         exit.write(finish(&film));
         return;
     };
-    let (painted, mut place, mut visibility) = head.into_inner();
-    let progress = painted.progress();
-    match shot.stage {
-        Stage::Unready if progress == 1.0 => {
-            error!("the head was ready before its first picture: nothing is proven");
-            exit.write(AppExit::error());
-            return;
-        }
-        Stage::Painted if progress < 1.0 => {
-            if film.since.elapsed() > PATIENCE {
-                error!("the preparation is stuck at {progress}");
+    if let (Some(head), Some(ball)) = (head, ball) {
+        let ((head, painted, mut place, mut visibility), (ball, mut of_ball)) = (head.into_inner(), ball.into_inner());
+        match film.wait(shot.stage, painted.progress()) {
+            Ok(true) => return,
+            Ok(false) => {}
+            Err(fault) => {
+                error!("{fault}");
                 exit.write(AppExit::error());
+                return;
             }
-            return;
         }
-        Stage::Painted if film.taken.last().is_some_and(|(last, _)| last.stage != Stage::Painted) => {
-            info!("ready after {} frames, {:.1} s", film.frames, film.since.elapsed().as_secs_f32());
+        if shot.stage == Stage::Gone {
+            commands.entity(head).despawn();
+            commands.entity(ball).despawn();
         }
-        _ => {}
+        let shown_if = |shown| if shown { Visibility::Inherited } else { Visibility::Hidden };
+        *visibility = shown_if(shot.stage != Stage::Hidden);
+        *of_ball = shown_if(shot.stage == Stage::Painted);
+        place.rotation = Quat::from_rotation_y(shot.turn.to_radians());
     }
-    let shown_if = |shown| if shown { Visibility::Inherited } else { Visibility::Hidden };
-    *visibility = shown_if(shot.stage != Stage::Hidden);
-    *ball.into_inner() = shown_if(shot.stage == Stage::Painted);
-    place.rotation = Quat::from_rotation_y(shot.turn.to_radians());
     let around = Quat::from_rotation_y(ANGLES[shot.angle].to_radians());
-    *camera.into_inner() = Transform::from_translation(around * Vec3::new(0.0, 2.0, 5.2))
-        .looking_at(Vec3::new(0.1, 1.4, 0.0), Vec3::Y);
+    *camera.into_inner() =
+        Transform::from_translation(around * Vec3::new(0.0, 2.0, 5.2)).looking_at(Vec3::new(0.1, 1.4, 0.0), Vec3::Y);
     film.under_way = true;
     commands.spawn(Readback::texture(film.target.clone())).observe(take);
+}
+
+impl Film {
+    /// Whether a picture has to wait for the preparation.
+    fn wait(&self, stage: Stage, progress: f32) -> std::result::Result<bool, String> {
+        let first = self.taken.last().is_some_and(|(last, _)| last.stage != Stage::Painted);
+        match stage {
+            Stage::Unready if progress == 1.0 => Err("ready before the first picture: nothing is proven".to_owned()),
+            Stage::Painted if progress < 1.0 && self.since.elapsed() > PATIENCE => {
+                Err(format!("the preparation is stuck at {progress}"))
+            }
+            Stage::Painted if progress < 1.0 => Ok(true),
+            Stage::Painted if first => {
+                info!("ready after {} frames, {:.1} s", self.frames, self.since.elapsed().as_secs_f32());
+                Ok(false)
+            }
+            _ => Ok(false),
+        }
+    }
 }
 
 fn take(picture: On<ReadbackComplete>, mut commands: Commands, mut film: ResMut<Film>) {
@@ -234,6 +256,7 @@ fn finish(film: &Film) -> AppExit {
         match shot.stage {
             Stage::Unready if picture.0 != plain.0 => faults.push("something was seen before it was ready".to_owned()),
             Stage::Painted => faults.extend(checks::faults(plain, picture, palette, shot.angle)),
+            Stage::Gone if picture.0 != plain.0 => faults.push("something is left of what was taken away".to_owned()),
             _ => {}
         }
     }

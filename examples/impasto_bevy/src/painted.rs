@@ -7,8 +7,8 @@ use bevy::render::sync_component::SyncComponent;
 use impasto::embed::{EffectDesc, EffectPaint, Method};
 use impasto::paint::PaintSample;
 use impasto::scene;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Paints a model where the entity is. The entity needs no Bevy mesh and no material.
 ///
