@@ -3,7 +3,8 @@
 CARGO ?= cargo
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test format lint docs units check-shaders shaders assets pictures bench embed-bevy clean
+.PHONY: help demo test format lint docs units check-shaders shaders assets pictures embed-wgpu embed-bevy \
+	bench clean
 
 help:
 	@echo "make demo     install what is missing, build, and paint the pictures that demo/index.html shows"
@@ -12,8 +13,12 @@ help:
 	@echo "make shaders  compile glsl/ to the SPIR-V that is checked in (after changing a shader)"
 	@echo "make assets   make the models and paint strips in assets/ again"
 	@echo "make pictures make the pictures of README.md again"
-	@echo "make embed-bevy  build the plugin for Bevy, run it without a window, and check its pictures (takes long)"
+	@echo "make embed-wgpu  build and check the wgpu program that impasto paints into (examples/impasto_wgpu)"
+	@echo "make embed-bevy  build and check the plugin for Bevy (examples/impasto_bevy); takes long"
 	@echo "make clean    delete what was built"
+
+# `impasto bench` tells which commit it was built from, with + if files had been changed; nothing, outside of git.
+demo bench: export IMPASTO_COMMIT = $(shell git describe --always --exclude='*' --dirty=+ 2>/dev/null)
 
 demo:
 	@scripts/setup demo
@@ -50,15 +55,27 @@ assets:
 pictures:
 	@CARGO="$(CARGO)" scripts/pictures
 
+# A package of its own: wgpu is nothing that impasto depends on.
+wgpu_host := $(or $(CARGO_TARGET_DIR),target)/impasto_wgpu
+
+embed-wgpu:
+	@scripts/setup test
+	$(CARGO) fmt --check --manifest-path examples/impasto_wgpu/Cargo.toml
+	$(CARGO) run --locked --manifest-path examples/impasto_wgpu/Cargo.toml --target-dir $(wgpu_host) -- \
+		--check $(wgpu_host)/pictures
+
+# Another one, and outside of the tests, since Bevy takes long to build.
+bevy_host := $(or $(CARGO_TARGET_DIR),target)/impasto_bevy
+
+embed-bevy:
+	@scripts/setup test
+	$(CARGO) fmt --check --manifest-path examples/impasto_bevy/Cargo.toml
+	$(CARGO) run --locked --manifest-path examples/impasto_bevy/Cargo.toml --target-dir $(bevy_host) --example head -- \
+		$(bevy_host)/pictures --validate
+
 bench:
 	@scripts/setup demo
 	$(CARGO) bench --locked --bench ceilings --bench synthesis --bench techniques --bench metrics
 
-# Outside of the tests, since Bevy takes long to build.
-embed-bevy:
-	@scripts/setup test
-	cd examples/impasto_bevy && $(CARGO) run --locked --example head -- ../../target/embed-bevy --validate
-
 clean:
 	$(CARGO) clean
-	rm -rf examples/impasto_bevy/target

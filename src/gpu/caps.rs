@@ -1,5 +1,6 @@
 //! What devices there are, how one is chosen, and the limits that the rest of the crate looks at.
 
+use super::requirements::requirements;
 use crate::{Error, Result};
 use ash::vk;
 use std::fmt;
@@ -210,14 +211,14 @@ pub struct Caps {
 impl Caps {
     pub(crate) fn query(instance: &ash::Instance, physical: vk::PhysicalDevice, queue_family: u32) -> Self {
         // SAFETY: `physical` belongs to this live instance.
-        let (p, families, d32) = unsafe {
+        let (p, families) = unsafe {
             (
                 instance.get_physical_device_properties(physical),
                 instance.get_physical_device_queue_family_properties(physical),
-                instance.get_physical_device_format_properties(physical, vk::Format::D32_SFLOAT),
             )
         };
-        let has_d32 = d32.optimal_tiling_features.contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT);
+        // SAFETY: as above.
+        let format = |format| unsafe { instance.get_physical_device_format_properties(physical, format) };
         Caps {
             kind: kind(p.device_type),
             timestamp_period_ns: p.limits.timestamp_period,
@@ -227,8 +228,8 @@ impl Caps {
             max_storage_buffer_bytes: u64::from(p.limits.max_storage_buffer_range),
             max_group_count_x: p.limits.max_compute_work_group_count[0],
             integer_dot_product: false,
-            // One of the two is promised by every Vulkan device.
-            depth_format: if has_d32 { vk::Format::D32_SFLOAT } else { vk::Format::X8_D24_UNORM_PACK32 },
+            // A device that is in use has one: `Requirements::check`.
+            depth_format: requirements().depth_format(format).unwrap_or(vk::Format::D32_SFLOAT),
             pipeline_cache_uuid: p.pipeline_cache_uuid,
             vendor_id: p.vendor_id,
             device_id: p.device_id,

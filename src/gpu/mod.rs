@@ -7,22 +7,27 @@
 //! one more host.
 
 mod access;
+mod allocation;
 mod caps;
 pub mod ceilings;
 mod context;
+mod measuring;
 mod memory;
 mod pipeline;
 mod recorder;
 mod render_pass;
+mod requirements;
 mod runner;
 mod timing;
 mod upload;
 mod validation;
 
 pub use access::{Access, Barrier, ResourceState};
+pub use allocation::{HostAllocation, HostMemory, MemoryKind};
 pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
 pub(crate) use context::lock;
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
+pub(crate) use measuring::measuring;
 pub(crate) use memory::Sampler;
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};
 pub use pipeline::{BindingKind, PipelineCacheFile, RasterShader, Shader};
@@ -31,6 +36,7 @@ pub use recorder::Recorder;
 pub(crate) use render_pass::{
     Attachment, Draw, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, Role, VertexAttribute,
 };
+pub use requirements::{requirements, Format, Limits, Requirements};
 pub use runner::Runner;
 pub use timing::{PassTime, PassTimer};
 pub use upload::Uploads;

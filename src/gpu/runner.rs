@@ -1,6 +1,6 @@
 //! The headless host: records, submits, waits, reads back. Uses the library as any host would.
 
-use super::context::{lock, vulkan, Context};
+use super::context::{lock, Context};
 use super::memory::{Buffer, BufferKind, Image};
 use super::recorder::Recorder;
 use super::timing::{PassTime, PassTimer};
@@ -32,14 +32,14 @@ impl Runner {
         if context.inner().queue == vk::Queue::null() {
             return Err(Error::Device("a borrowed device is submitted to by its host, not by a runner".to_owned()));
         }
-        let device = context.device();
+        let device = context.usable()?;
         let timer = PassTimer::new(context, TIMED_PASSES)?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(context.inner().queue_family)
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         // SAFETY: plain creations on a live device; `runner` frees what was made when a later call fails.
         unsafe {
-            let pool = device.create_command_pool(&info, None).map_err(vulkan("vkCreateCommandPool"))?;
+            let pool = device.create_command_pool(&info, None).map_err(context.failed("vkCreateCommandPool"))?;
             let mut runner = Runner {
                 context: context.clone(),
                 pool,
@@ -50,10 +50,10 @@ impl Runner {
                 broken: false,
             };
             let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-            let buffers = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?;
+            let buffers = device.allocate_command_buffers(&info).map_err(context.failed("vkAllocateCommandBuffers"))?;
             runner.commands = buffers.first().copied().unwrap_or_default();
             runner.fence =
-                device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(vulkan("vkCreateFence"))?;
+                device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(context.failed("vkCreateFence"))?;
             Ok(runner)
         }
     }
@@ -64,21 +64,23 @@ impl Runner {
     ///
     /// # Errors
     /// Those of `record`; [`Error::Vulkan`] when a call fails or the work is stuck, after which the runner is of no
-    /// more use and answers [`Error::Device`].
+    /// more use and answers [`Error::Device`]; [`Error::DeviceLost`].
     pub fn run<T>(&mut self, record: impl FnOnce(&mut Recorder<'_>) -> Result<T>) -> Result<T> {
+        let context = self.context.clone();
+        let device = context.usable()?;
         if self.broken {
             return Err(Error::Device("an earlier submission failed or did not end".to_owned()));
         }
-        let context = self.context.clone();
         let _running = lock(&context.inner().running);
-        let device = context.device();
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the last submission was waited for, so the command buffer is free; it is ours alone.
         let value = unsafe {
-            device.begin_command_buffer(self.commands, &begin).map_err(vulkan("vkBeginCommandBuffer"))?;
+            device.begin_command_buffer(self.commands, &begin).map_err(context.failed("vkBeginCommandBuffer"))?;
             let mut recorder = Recorder::new(&self.context, self.commands, Some(&mut self.timer));
             let value = record(&mut recorder);
-            device.end_command_buffer(self.commands).map_err(vulkan("vkEndCommandBuffer"))?;
+            // What was recorded may be destroyed already.
+            context.usable()?;
+            device.end_command_buffer(self.commands).map_err(context.failed("vkEndCommandBuffer"))?;
             value
         };
         let commands = [self.commands];
@@ -87,9 +89,11 @@ impl Runner {
         self.broken = true;
         // SAFETY: queue, command buffer and fence are ours and idle; `running` keeps other threads off the queue.
         unsafe {
-            device.queue_submit(self.context.inner().queue, &submit, self.fence).map_err(vulkan("vkQueueSubmit"))?;
-            device.wait_for_fences(&[self.fence], true, TIMEOUT_NS).map_err(vulkan("vkWaitForFences"))?;
-            device.reset_fences(&[self.fence]).map_err(vulkan("vkResetFences"))?;
+            device
+                .queue_submit(self.context.inner().queue, &submit, self.fence)
+                .map_err(context.failed("vkQueueSubmit"))?;
+            device.wait_for_fences(&[self.fence], true, TIMEOUT_NS).map_err(context.failed("vkWaitForFences"))?;
+            device.reset_fences(&[self.fence]).map_err(context.failed("vkResetFences"))?;
         }
         self.broken = false;
         for time in self.timer.read()? {
@@ -144,11 +148,10 @@ impl Runner {
 impl Drop for Runner {
     fn drop(&mut self) {
         let device = self.context.device();
-        // SAFETY: after the wait nothing of ours is in flight; the handles are ours and freed once. A wait that fails
-        // means that the device is lost, and then nothing runs either.
+        // SAFETY: after the wait nothing of ours is in flight; the handles are ours and freed once.
         unsafe {
             let _running = lock(&self.context.inner().running);
-            let _ = device.device_wait_idle();
+            self.context.wait_idle();
             device.destroy_fence(self.fence, None);
             device.destroy_command_pool(self.pool, None);
         }

@@ -2,7 +2,7 @@
 
 use crate::convert::{self, Place};
 use crate::painted::{Painted, Seen};
-use crate::raw;
+use crate::raw::{self, Attachment};
 use bevy::ecs::entity::{EntityHashMap, EntityHashSet};
 use bevy::light::DirectionalLight;
 use bevy::platform::cell::SyncCell;
@@ -19,11 +19,6 @@ use impasto::gpu::{Context, Recorder};
 use impasto::scene::{Lights, Moment};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use wgpu::TextureUses;
-
-/// In which state a view's textures are while they are painted over.
-const COLOR: TextureUses = TextureUses::COLOR_TARGET;
-const DEPTH: TextureUses = TextureUses::DEPTH_STENCIL_WRITE;
 
 /// The scene's lights, as impasto has them.
 #[derive(Resource, Default)]
@@ -123,7 +118,7 @@ pub(crate) fn paint(
     let context = &*context;
     let surface = Surface { view, color, depth };
     let size = surface.size_px();
-    let textures = [(color.main_texture(), COLOR), (&depth.texture, DEPTH)];
+    let textures = [(color.main_texture(), Attachment::Color), (&depth.texture, Attachment::Depth)];
     let recorded = raw::record(&mut ctx, context, &textures, |recorder| {
         for (entity, seen) in &entities {
             let new = || Shown::new(context, &seen.painted, size, *piece);
@@ -229,7 +224,8 @@ fn draw(
 struct Over {
     composite: Composite,
     targets: [Target; 2],
-    // What the targets are of, which they do not keep themselves.
+    // What the targets are of, which they do not keep themselves. As long as the GPU is at a frame, wgpu keeps them for
+    // Bevy's own passes.
     colors: [TextureView; 2],
     depth: TextureView,
 }
@@ -237,9 +233,10 @@ struct Over {
 impl Over {
     fn new(context: &Context, effect: &Effect, surface: &Surface<'_>, reversed: bool) -> impasto::Result<Self> {
         let color = surface.color;
-        let depth = raw::image(context, &surface.depth.texture, surface.depth.view(), DEPTH)?;
+        let depth = raw::image(context, &surface.depth.texture, surface.depth.view(), Attachment::Depth)?;
         let target = |texture, view| {
-            raw::image(context, texture, view, COLOR).map(|color| Target { color, depth: Some(depth.clone()) })
+            raw::image(context, texture, view, Attachment::Color)
+                .map(|color| Target { color, depth: Some(depth.clone()) })
         };
         let targets = [
             target(color.main_texture(), color.main_texture_view())?,
@@ -270,11 +267,11 @@ impl Over {
     ) -> impasto::Result<()> {
         let Some(index) = self.index(surface) else { return Ok(()) };
         let target = &self.targets[index];
-        raw::take(&target.color, COLOR);
-        target.depth.iter().for_each(|depth| raw::take(depth, DEPTH));
+        Attachment::Color.take(&target.color);
+        target.depth.iter().for_each(|image| Attachment::Depth.take(image));
         self.composite.record(recorder, effect, index, depth)?;
-        recorder.hand_over(&target.color, raw::state(COLOR));
-        target.depth.iter().for_each(|image| recorder.hand_over(image, raw::state(DEPTH)));
+        recorder.hand_over(&target.color, Attachment::Color.state());
+        target.depth.iter().for_each(|image| recorder.hand_over(image, Attachment::Depth.state()));
         Ok(())
     }
 }

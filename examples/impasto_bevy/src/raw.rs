@@ -6,10 +6,12 @@
 //! it, and leaves the texture in that very state, with a barrier of its own.
 
 use ash::vk;
+use bevy::log::{error, warn};
 use bevy::render::render_resource::{Texture, TextureView};
 use bevy::render::renderer::{RenderAdapter, RenderContext, RenderDevice, RenderInstance};
-use impasto::gpu::{Context, HostDevice, Image, ImageDesc, Recorder, ResourceState};
+use impasto::gpu::{Access, Context, HostDevice, Image, ImageDesc, LogCallback, LogLevel, Recorder, ResourceState};
 use impasto::{Error, Result};
+use std::sync::Arc;
 use wgpu::hal::api::Vulkan;
 use wgpu::{TextureTransition, TextureUses};
 
@@ -28,17 +30,14 @@ pub fn context(device: &RenderDevice, adapter: &RenderAdapter, instance: &Render
         )
     };
     let shared = instance.shared_instance();
-    let host = HostDevice {
-        instance: shared.raw_instance().clone(),
-        physical_device: adapter.raw_physical_device(),
-        device: device.raw_device().clone(),
-        queue_family: device.queue_family_index(),
-        // None is needed.
-        enabled_features: vk::PhysicalDeviceFeatures::default(),
-        pipeline_cache: vk::PipelineCache::null(),
-        debug_utils: shared.extensions().contains(&ash::ext::debug_utils::NAME),
-        memory_budget: None,
-    };
+    let (instance, physical) = (shared.raw_instance().clone(), adapter.raw_physical_device());
+    let host = HostDevice::new(instance, physical, device.raw_device().clone(), device.queue_family_index());
+    let debug_utils = shared.extensions().contains(&ash::ext::debug_utils::NAME);
+    let log: LogCallback = Arc::new(|level, message| match level {
+        LogLevel::Error => error!("{message}"),
+        _ => warn!("{message}"),
+    });
+    let host = HostDevice { debug_utils, log: Some(log), ..host };
     // SAFETY: the handles are live and belong together; `Painter` drops the context before the device, and waits for
     // the GPU first.
     unsafe { Context::from_host(host) }
@@ -46,21 +45,21 @@ pub fn context(device: &RenderDevice, adapter: &RenderAdapter, instance: &Render
 
 /// Adds a command buffer to the frame and lets `record` record into it.
 ///
-/// `textures` are brought to the given states before; `record` is to leave them there.
+/// `textures` are brought to the states of the given uses before; `record` is to leave them there.
 ///
 /// # Errors
 /// Those of `record`; what it has recorded so far is part of the frame nonetheless.
 pub fn record<R>(
     ctx: &mut RenderContext,
     context: &Context,
-    textures: &[(&Texture, TextureUses)],
+    textures: &[(&Texture, Attachment)],
     record: impl FnOnce(&mut Recorder<'_>) -> Result<R>,
 ) -> Result<R> {
     if !textures.is_empty() {
-        let states = textures.iter().map(|(texture, state)| TextureTransition {
+        let states = textures.iter().map(|(texture, of)| TextureTransition {
             texture: &***texture,
             selector: None,
-            state: *state,
+            state: of.wgpu(),
         });
         ctx.command_encoder().transition_resources(std::iter::empty(), states);
     }
@@ -78,34 +77,41 @@ pub fn record<R>(
     recorded
 }
 
-/// How wgpu leaves a texture in this state, and wants it back.
-pub fn state(of: TextureUses) -> ResourceState {
-    use vk::{AccessFlags as A, ImageLayout as L, PipelineStageFlags as S};
-    match of {
-        TextureUses::COLOR_TARGET => ResourceState::from_host(
-            S::COLOR_ATTACHMENT_OUTPUT,
-            A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
-            L::COLOR_ATTACHMENT_OPTIMAL,
-        ),
-        _ => ResourceState::from_host(
-            S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
-            A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
-            L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
-        ),
-    }
+/// A use of a view's texture as an attachment, as wgpu and as impasto call it.
+#[derive(Clone, Copy)]
+pub enum Attachment {
+    Color,
+    Depth,
 }
 
-/// Tells that the image is again in the state that [`record`] has brought its texture to.
-pub fn take(image: &Image, of: TextureUses) {
-    // SAFETY: that is what `record` does, before anything of impasto's.
-    unsafe { image.set_state(state(of)) };
+impl Attachment {
+    fn wgpu(self) -> TextureUses {
+        match self {
+            Attachment::Color => TextureUses::COLOR_TARGET,
+            Attachment::Depth => TextureUses::DEPTH_STENCIL_WRITE,
+        }
+    }
+
+    /// How wgpu leaves the texture, and wants it back.
+    pub fn state(self) -> ResourceState {
+        ResourceState::of(match self {
+            Attachment::Color => Access::ColorBlend,
+            Attachment::Depth => Access::DepthTest,
+        })
+    }
+
+    /// Tells that the image is again in the state that [`record`] has brought its texture to.
+    pub fn take(self, image: &Image) {
+        // SAFETY: that is what `record` does, before anything of impasto's.
+        unsafe { image.set_state(self.state()) };
+    }
 }
 
 /// Bevy's texture as impasto's image; the view must be kept for as long as it.
 ///
 /// # Errors
 /// [`Error::Device`] for a texture of another backend, [`Error::Parameter`] for a format that is no view's.
-pub fn image(context: &Context, texture: &Texture, view: &TextureView, of: TextureUses) -> Result<Image> {
+pub fn image(context: &Context, texture: &Texture, view: &TextureView, of: Attachment) -> Result<Image> {
     let format = match texture.format() {
         wgpu::TextureFormat::Rgba8Unorm => vk::Format::R8G8B8A8_UNORM,
         wgpu::TextureFormat::Rgba8UnormSrgb => vk::Format::R8G8B8A8_SRGB,
@@ -116,8 +122,8 @@ pub fn image(context: &Context, texture: &Texture, view: &TextureView, of: Textu
         other => return Err(Error::parameter("format of the view", format!("{other:?}"), "8 bits, or half floats")),
     };
     let usage = match of {
-        TextureUses::COLOR_TARGET => vk::ImageUsageFlags::COLOR_ATTACHMENT,
-        _ => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+        Attachment::Color => vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        Attachment::Depth => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
     };
     let desc = ImageDesc { size_px: [texture.width(), texture.height(), 1], format, usage };
     // wgpu locks what lends its handles: one after the other.
@@ -130,5 +136,5 @@ pub fn image(context: &Context, texture: &Texture, view: &TextureView, of: Textu
     };
     // SAFETY: the image is what `desc` says, in the state that `record` brings it to, and lives as long as its view,
     // which the caller keeps.
-    Ok(unsafe { Image::from_host(context, handle, view, &desc, state(of)) })
+    Ok(unsafe { Image::from_host(context, handle, view, &desc, of.state()) })
 }

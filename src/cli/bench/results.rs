@@ -108,6 +108,18 @@ pub struct Device {
     pub driver_info: Option<String>,
 }
 
+impl Device {
+    /// The driver in its own words, as far as it tells, or else its number.
+    pub fn driver(&self) -> String {
+        let words: Vec<&str> =
+            [&self.driver_name, &self.driver_info].into_iter().flatten().map(String::as_str).collect();
+        match words.is_empty() {
+            true => format!("{:#x}", self.driver_version),
+            false => words.join(" "),
+        }
+    }
+}
+
 /// What a measurement is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -120,6 +132,8 @@ pub enum Kind {
     Preparation,
     /// Per-frame synthesis with frames in flight: frames a second.
     Throughput,
+    /// Frames of a technique for a long time, to see clocks and temperatures settle: milliseconds.
+    Sustained,
 }
 
 /// One row of the table.
@@ -137,6 +151,8 @@ pub struct Measurement {
     pub motion: Option<String>,
     /// Width and height of picture or texture, pixels.
     pub size_px: [u32; 2],
+    /// How many frames the device had at a time, for [`Kind::Throughput`].
+    pub in_flight: Option<u32>,
     /// What the samples are in: `ms`, `blocks/s` or `frames/s`.
     pub unit: String,
     /// Whether more is better.
