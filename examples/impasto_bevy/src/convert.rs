@@ -6,27 +6,30 @@ use bevy::prelude::{GlobalTransform, Mat4, Vec3};
 use impasto::embed::HostDepth;
 use impasto::scene::{self, Camera, Lights, Pose};
 use impasto::{Error, Result};
+use std::fmt::Display;
 
 /// Makes an impasto mesh of a Bevy mesh: of a primitive, or of one that was loaded with a scene. It is one object.
 ///
 /// # Errors
-/// [`Error::Parameter`] unless it is a list of triangles with positions, and what [`scene::Mesh::build`] refuses.
+/// [`Error::Parameter`] unless it is a list of triangles with positions, whose asset is kept in the main world, and
+/// what [`scene::Mesh::build`] refuses.
 pub fn mesh(mesh: &Mesh) -> Result<scene::Mesh> {
-    let refused = |what: &str| Error::parameter("mesh", what, "a list of triangles with positions in floats");
+    let refused = |what: &dyn Display| Error::parameter("mesh", what, "a list of triangles with positions in floats");
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
-        return Err(refused("no list of triangles"));
+        return Err(refused(&"no list of triangles"));
     }
-    let attribute = |attribute| match mesh.attribute(attribute) {
-        Some(VertexAttributeValues::Float32x3(values)) => Some(values.clone()),
-        _ => None,
+    let attribute = |attribute| match mesh.try_attribute_option(attribute) {
+        Ok(Some(VertexAttributeValues::Float32x3(values))) => Ok(Some(values.clone())),
+        Ok(_) => Ok(None),
+        Err(error) => Err(refused(&error)),
     };
-    let positions = attribute(Mesh::ATTRIBUTE_POSITION).ok_or_else(|| refused("no positions"))?;
-    let indices: Vec<u32> = match mesh.indices() {
+    let positions = attribute(Mesh::ATTRIBUTE_POSITION)?.ok_or_else(|| refused(&"no positions"))?;
+    let indices: Vec<u32> = match mesh.try_indices_option().map_err(|error| refused(&error))? {
         Some(indices) => indices.iter().map(|index| index as u32).collect(),
         None => (0..positions.len() as u32).collect(),
     };
     let options = scene::MeshOptions::default();
-    Ok(scene::Mesh::build(positions, attribute(Mesh::ATTRIBUTE_NORMAL), &indices, &[], &options)?.mesh)
+    Ok(scene::Mesh::build(positions, attribute(Mesh::ATTRIBUTE_NORMAL)?, &indices, &[], &options)?.mesh)
 }
 
 /// A place in Bevy's world, as impasto has it: a pose, and a size.
