@@ -61,7 +61,7 @@ impl Effect {
     ///
     /// # Errors
     /// Those of [`EffectDesc::check`]; [`Error::Parameter`] for a picture that is larger than the device's images;
-    /// [`Error::Io`] when the system has no thread to give.
+    /// [`Error::Io`] when the system has no thread to give; [`Error::DeviceLost`].
     pub fn new(context: &Context, desc: EffectDesc) -> Result<Self> {
         Self::check(context, &desc)?;
         let (mesh, size_px) = (desc.mesh.clone(), desc.size_px);
@@ -97,6 +97,7 @@ impl Effect {
     }
 
     fn check(context: &Context, desc: &EffectDesc) -> Result<()> {
+        context.usable()?;
         desc.check()?;
         let (width, height) = desc.size_px;
         let most = context.caps().max_image_2d_px;
@@ -112,10 +113,12 @@ impl Effect {
     /// [`Context::advance`] to say that the frame of an earlier one is safe.
     ///
     /// # Errors
-    /// What went wrong in preparing: once as it was, then as [`Error::Device`] with its words.
+    /// What went wrong in preparing: once as it was, then as [`Error::Device`] with its words. [`Error::DeviceLost`].
     pub fn prepare(&mut self, recorder: &mut Recorder<'_>) -> Result<Progress> {
+        self.context.usable()?;
+        let mut recorded = false;
         if let State::Preparing(desk, thread) = &mut self.state {
-            desk.step(&self.context, recorder);
+            recorded = desk.step(&self.context, recorder);
             if let Some(thread) = thread.take_if(|thread| thread.is_finished()) {
                 let result = thread.join().unwrap_or_else(|_| {
                     Err(Error::Device("the preparing thread panicked: this is a fault in impasto".to_owned()))
@@ -132,15 +135,15 @@ impl Effect {
         if let State::Failed(reason) = &self.state {
             return Err(Error::Device(format!("the effect could not be prepared: {reason}")));
         }
-        Ok(self.progress())
+        Ok(Progress { recorded, ..self.progress() })
     }
 
     /// How far the preparation is.
     pub fn progress(&self) -> Progress {
         match &self.state {
             State::Preparing(desk, _) => Progress { ready: false, ..desk.progress() },
-            State::Ready(_) => Progress { done: 1.0, step: "ready", ready: true },
-            State::Failed(_) => Progress { done: 0.0, step: "failed", ready: false },
+            State::Ready(_) => Progress { done: 1.0, step: "ready", ready: true, recorded: false },
+            State::Failed(_) => Progress { done: 0.0, step: "failed", ready: false, recorded: false },
         }
     }
 
@@ -151,8 +154,9 @@ impl Effect {
     ///
     /// # Errors
     /// [`Error::Device`] before the preparation is over, [`Error::Parameter`] when a camera has no projection for the
-    /// picture's shape; nothing is recorded then.
+    /// picture's shape, [`Error::DeviceLost`]; nothing is recorded then.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, frame: &EffectFrame<'_>) -> Result<()> {
+        self.context.usable()?;
         let State::Ready(prepared) = &mut self.state else {
             return Err(Error::Device("the effect is not ready: its preparation is not over".to_owned()));
         };

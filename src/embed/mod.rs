@@ -219,6 +219,8 @@ pub struct Progress {
     pub step: &'static str,
     /// Frames can be recorded.
     pub ready: bool,
+    /// Something was recorded by the call that answers so, and has to be submitted.
+    pub recorded: bool,
 }
 
 /// How much GPU memory an effect takes, bytes.

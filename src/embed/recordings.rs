@@ -41,7 +41,7 @@ pub(super) struct Desk {
 /// Both ends.
 pub(super) fn recordings() -> (Recordings, Desk) {
     let (to_desk, pieces) = channel();
-    let progress = Arc::new(Mutex::new(Progress { done: 0.0, step: "waiting", ready: false }));
+    let progress = Arc::new(Mutex::new(Progress { done: 0.0, step: "waiting", ready: false, recorded: false }));
     let desk = Desk { pieces, running: Vec::new(), progress: progress.clone() };
     (Recordings { to: To::Desk(to_desk), progress }, desk)
 }
@@ -49,7 +49,7 @@ pub(super) fn recordings() -> (Recordings, Desk) {
 impl Recordings {
     /// One end without the other, for a measuring context.
     pub fn to_nobody(context: &Context) -> Self {
-        let progress = Arc::new(Mutex::new(Progress { done: 0.0, step: "measuring", ready: false }));
+        let progress = Arc::new(Mutex::new(Progress { done: 0.0, step: "measuring", ready: false, recorded: false }));
         Recordings { to: To::Nobody(context.clone()), progress }
     }
 
@@ -100,15 +100,16 @@ impl Recordings {
 }
 
 impl Desk {
-    /// Records the next piece, if there is one.
-    pub fn step(&mut self, context: &Context, recorder: &mut Recorder<'_>) {
+    /// Records the next piece, if there is one, and tells whether there was.
+    pub fn step(&mut self, context: &Context, recorder: &mut Recorder<'_>) -> bool {
         self.release(context);
-        let Ok(piece) = self.pieces.try_recv() else { return };
+        let Ok(piece) = self.pieces.try_recv() else { return false };
         match (piece.record)(recorder) {
             Ok(()) if piece.runs => self.running.push((context.frame(), piece.done)),
             // A thread that is gone does not wait for an answer.
             result => drop(piece.done.send(result)),
         }
+        true
     }
 
     /// Tells the thread what the GPU has run.

@@ -75,7 +75,7 @@ pub(crate) struct Memory {
 
 enum Source {
     /// `None` once the context is being torn down.
-    Own(Mutex<Option<Allocator>>),
+    Own(Mutex<Option<Box<Allocator>>>),
     Host(Arc<dyn HostMemory>),
 }
 
@@ -92,7 +92,7 @@ enum Piece {
 
 impl Memory {
     pub fn own(allocator: Allocator) -> Self {
-        Memory { source: Source::Own(Mutex::new(Some(allocator))), allocated: AtomicU64::new(0) }
+        Memory { source: Source::Own(Mutex::new(Some(Box::new(allocator)))), allocated: AtomicU64::new(0) }
     }
 
     pub fn of_host(memory: Arc<dyn HostMemory>) -> Self {

@@ -16,6 +16,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
 /// How grave a message to the log is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -258,6 +259,7 @@ pub(crate) struct Inner {
     pub debug_utils: Option<ash::ext::debug_utils::Device>,
     pub memory: Memory,
     pub budget: u64,
+    compiling_ns: AtomicU64,
     graveyard: Mutex<Vec<(u64, Garbage)>>,
     frame: AtomicU64,
     safe_frame: AtomicU64,
@@ -405,6 +407,20 @@ impl Context {
     /// Bytes of GPU memory that the context's objects take now.
     pub fn allocated_bytes(&self) -> u64 {
         self.inner.memory.allocated_bytes()
+    }
+
+    /// How long the driver has taken to make the context's pipelines so far. Some drivers put off part of the compilation
+    /// to a pipeline's first use, which is not in it.
+    pub fn compile_time(&self) -> Duration {
+        Duration::from_nanos(self.inner.compiling_ns.load(Ordering::Relaxed))
+    }
+
+    /// Makes a pipeline, and adds its time to [`Context::compile_time`].
+    pub(crate) fn compile<T>(&self, make: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let made = make();
+        self.inner.compiling_ns.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        made
     }
 
     /// Tells where the GPU is: from here on objects belong to `current_frame`, and everything recorded in frames up to
@@ -561,6 +577,7 @@ impl Inner {
             cache_file: None,
             debug_utils: None,
             memory,
+            compiling_ns: AtomicU64::new(0),
             budget: budget.unwrap_or(DEFAULT_BUDGET),
             graveyard: Mutex::new(Vec::new()),
             frame: AtomicU64::new(1),

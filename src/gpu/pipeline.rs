@@ -168,7 +168,8 @@ impl ComputePipeline {
                 .name(c"main")
                 .specialization_info(&specialization);
             let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout)];
-            let made = device.create_compute_pipelines(context.inner().pipeline_cache, &info, None);
+            let cache = context.inner().pipeline_cache;
+            let made = context.compile(|| device.create_compute_pipelines(cache, &info, None));
             device.destroy_shader_module(module, None);
             let pipelines = made.map_err(|(_, result)| context.failed("vkCreateComputePipelines")(result))?;
             pipeline.handle = pipelines.first().copied().unwrap_or_default();

@@ -314,7 +314,8 @@ impl RasterPipeline {
             .render_pass(pass.handle)];
         // SAFETY: every pointer in `info` outlives the call; the modules are not needed after it.
         let made = unsafe {
-            let made = device.create_graphics_pipelines(self.context.inner().pipeline_cache, &info, None);
+            let cache = self.context.inner().pipeline_cache;
+            let made = self.context.compile(|| device.create_graphics_pipelines(cache, &info, None));
             device.destroy_shader_module(vertex, None);
             device.destroy_shader_module(fragment, None);
             made

@@ -32,7 +32,7 @@ fn by_hand(runner: &mut Runner, mesh: &Mesh, method: &Method) -> Vec<Vec<u8>> {
             frames.push(runner.read_image(image).expect("a frame"));
         }
     };
-    let mut upload = |runner: &mut Runner, uploads: &mut Uploads| {
+    let upload = |runner: &mut Runner, uploads: &mut Uploads| {
         let run = runner.run(|recorder| {
             uploads.record(recorder);
             Ok(())
@@ -171,7 +171,8 @@ fn a_thousand_frames_only_record() {
     for (name, method) in methods() {
         let mut effect = Effect::new(&context, desc(&mesh, &method)).expect("an effect");
         prepare(&host, &context, &mut effect, &mut frame);
-        let composite = Composite::new(&effect, &[target.clone()], TargetColor::ByFormat, false).expect("a composite");
+        let composite =
+            Composite::new(&effect, std::slice::from_ref(&target), TargetColor::ByFormat, false).expect("a composite");
         // What only the preparation needed goes here.
         frame += 2;
         context.advance(frame, frame - 1);

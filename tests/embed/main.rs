@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod composite;
+mod faults;
 mod frames;
 #[path = "../host/mod.rs"]
 mod host;

@@ -1,8 +1,9 @@
-//! Where and when a run takes place: this build, this machine, this moment.
+//! Where and when a run takes place: this build, this machine, its device, this moment.
 //!
 //! What a system does not tell is left out; nothing of it fails a run.
 
-use super::results::{System, Tool};
+use super::results::{Device, System, Tool};
+use impasto::gpu::DeviceInfo;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 impl Tool {
@@ -27,6 +28,25 @@ impl System {
             arch: std::env::consts::ARCH.to_owned(),
             cpu: cpu(&read("/proc/cpuinfo")),
             cores: std::thread::available_parallelism().map_or(1, usize::from),
+        }
+    }
+}
+
+impl Device {
+    /// A device, as Vulkan tells of it.
+    pub fn of(info: &DeviceInfo) -> Self {
+        Device {
+            index: info.index,
+            name: info.name.clone(),
+            kind: info.kind.to_string(),
+            uuid: info.uuid.to_string(),
+            pci: info.pci.map(|pci| pci.to_string()),
+            vendor_id: info.vendor_id,
+            device_id: info.device_id,
+            api_version: info.api_version_text(),
+            driver_version: info.driver_version,
+            driver_name: info.driver_name.clone(),
+            driver_info: info.driver_info.clone(),
         }
     }
 }

@@ -78,7 +78,7 @@ fn frame(kind: Kind, technique: &str, size_px: [u32; 2], raw: Vec<f64>) -> Measu
     // Numbers of few digits are the same when they are read again.
     let rounded = |value: f64| (value * 1e6).round() / 1e6;
     let wall = raw.iter().map(|value| rounded(value + 0.5)).collect();
-    let raw = raw.into_iter().map(rounded).collect();
+    let raw: Vec<f64> = raw.into_iter().map(rounded).collect();
     Measurement {
         id: format!("{word}/{technique}/head/light-orbit/{}x{}", size_px[0], size_px[1]),
         kind,
@@ -89,6 +89,8 @@ fn frame(kind: Kind, technique: &str, size_px: [u32; 2], raw: Vec<f64>) -> Measu
         in_flight: None,
         unit: "ms".into(),
         more_is_better: false,
+        // Rounds of ten.
+        round_p50: raw.chunks(10).filter_map(|round| Samples::of(round.to_vec())).map(|round| round.p50).collect(),
         gpu: Samples::of(raw),
         wall: Samples::of(wall),
         memory_bytes: 48 << 20,

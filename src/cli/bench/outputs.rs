@@ -58,10 +58,12 @@ impl Checked {
     pub fn finish(&self, results: &Results, session: &mut Session) -> Result {
         let comparison = self.old.as_ref().map(|(path, old)| (path.as_path(), Comparison::new(old, results)));
         let parts = report::parts(results, comparison.as_ref().map(|(path, comparison)| (*path, comparison)));
-        session.result("results", json(results)?, text::text(&parts));
-        if let Some((_, comparison)) = &comparison {
-            session.attach("comparison", json(comparison)?);
+        let mut document = json(results)?;
+        session.result("results", document.clone(), text::text(&parts));
+        if let (Some((_, comparison)), Some(fields)) = (&comparison, document.as_object_mut()) {
+            fields.insert("comparison".to_owned(), json(comparison)?);
         }
+        session.replace_document(document);
         let Some(folder) = &self.folder else { return Ok(()) };
         let document = serde_json::to_string_pretty(results).map_err(unwritable)? + "\n";
         let texts = [document, csv::csv(results), markdown::markdown(&parts), page::html(&parts)?];

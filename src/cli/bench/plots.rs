@@ -1,11 +1,8 @@
-//! The plots of a run: frame times by size, long runs frame by frame, rates by frames in flight.
+//! The plots of a run: frame times by size, long runs round by round, rates by frames in flight.
 
 use super::super::plot::{Plot, Point, Series};
-use super::results::{DeviceResults, Kind, Measurement, Results, Samples};
+use super::results::{DeviceResults, Kind, Measurement, Results};
 use super::tables::{short_name, Clock};
-
-/// Points of a line at most; more would only make the page larger.
-const POINTS: usize = 200;
 
 type On<'a> = (&'a DeviceResults, &'a Measurement);
 
@@ -16,7 +13,7 @@ pub fn plots(results: &Results) -> Vec<(Plot, String)> {
         plots.extend(by_size(results, &name, &group));
     }
     for (name, group) in grouped(of_kind(results, Kind::Sustained), |one| one.id.clone()) {
-        plots.extend(by_frame(results, &name, &group));
+        plots.extend(by_round(results, &name, &group));
     }
     plots.extend(by_frames_in_flight(results, &of_kind(results, Kind::Throughput)));
     plots
@@ -38,35 +35,20 @@ fn by_size(results: &Results, name: &str, group: &[On]) -> Option<(Plot, String)
     shows.then(|| (plot, "Half of the frames took no longer.".to_owned()))
 }
 
-/// A long run, frame by frame; where it has more frames than [`POINTS`], by groups of them.
-fn by_frame(results: &Results, name: &str, group: &[On]) -> Option<(Plot, String)> {
-    let clock = Clock::common(group.iter().map(|(_, one)| *one));
-    let longest = group.iter().filter_map(|(_, one)| Some(clock.of(one)?.raw.len())).max()?;
-    let step = longest.div_ceil(POINTS).max(1);
-    let mut series = Vec::new();
-    for (device, one) in group {
-        let groups: Vec<Samples> =
-            clock.of(one)?.raw.chunks(step).filter_map(|chunk| Samples::of(chunk.to_vec())).collect();
-        let line = |what: &str, figure: fn(&Samples) -> f64| Series {
-            name: on_device(results, device, what),
-            points: (0..)
-                .zip(&groups)
-                .map(|(index, group)| point(f64::from(index) * step as f64, figure(group)))
-                .collect(),
-        };
-        series.push(line(if step > 1 { "median" } else { "each frame" }, |group| group.p50));
-        if step > 1 {
-            series.push(line("longest", |group| group.max));
-        }
-    }
-    let plot = Plot {
-        title: format!("Time of each frame: {name}"),
-        x_label: "frame".into(),
-        y_label: format!("{} / {}", clock.word(), unit(group)),
-        series,
+/// A long run, round by round.
+fn by_round(results: &Results, name: &str, group: &[On]) -> Option<(Plot, String)> {
+    let line = |(device, one): &On| Series {
+        name: on_device(results, device, "median"),
+        points: (1..).zip(&one.round_p50).map(|(round, median)| point(f64::from(round), *median)).collect(),
     };
-    let caption = if step > 1 { format!("A point for each {step} frames.") } else { String::new() };
-    Some((plot, caption))
+    let plot = Plot {
+        title: format!("Time of a frame, round by round: {name}"),
+        x_label: "round".into(),
+        y_label: format!("{} p50 / {}", Clock::Wall.word(), unit(group)),
+        series: group.iter().map(line).collect(),
+    };
+    let shows = plot.series.iter().any(|line| line.points.len() > 1);
+    shows.then(|| (plot, "Half of a round's frames took no longer.".to_owned()))
 }
 
 /// Rates over the number of frames that a device has at a time.
@@ -179,23 +161,16 @@ mod tests {
     }
 
     #[test]
-    fn a_long_run_is_drawn_by_groups_of_frames_and_no_hitch_is_lost() {
+    fn a_long_run_is_drawn_round_by_round() {
         let mut results = example();
         results.devices.truncate(1);
         results.devices[0].measurements.retain(|one| one.kind == Kind::Sustained);
-        let mut raw = vec![1.0; 1000];
-        raw[503] = 50.0;
-        results.devices[0].measurements[0].gpu = Samples::of(raw);
-        let (plot, caption) = plots(&results).remove(0);
-        assert_eq!(caption, "A point for each 5 frames.");
-        assert_eq!(plot.series.iter().map(|line| line.name.as_str()).collect::<Vec<_>>(), ["median", "longest"]);
-        assert_eq!(plot.series[0].points.len(), POINTS);
-        assert!(plot.series[0].points.iter().all(|point| point.y == 1.0));
-        assert_eq!(points(&plot.series[1])[100], (500.0, 50.0));
-        results.devices[0].measurements[0].gpu = Samples::of(vec![3.0, 4.0]);
-        let (plot, caption) = plots(&results).remove(0);
-        assert_eq!((points(&plot.series[0]), plot.series.len()), (vec![(0.0, 3.0), (1.0, 4.0)], 1));
-        assert_eq!(caption, "");
+        results.devices[0].measurements[0].round_p50 = vec![1.0, 3.0, 2.0];
+        let (plot, _) = plots(&results).remove(0);
+        assert_eq!(plot.series.iter().map(|line| line.name.as_str()).collect::<Vec<_>>(), ["median"]);
+        assert_eq!(points(&plot.series[0]), [(1.0, 1.0), (2.0, 3.0), (3.0, 2.0)]);
+        results.devices[0].measurements[0].round_p50.truncate(1);
+        assert!(plots(&results).is_empty(), "a single round shows nothing");
     }
 
     #[test]

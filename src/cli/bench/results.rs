@@ -72,8 +72,9 @@ pub struct DeviceResults {
     pub device: Device,
     /// Milliseconds to open it: instance, device, memory allocator.
     pub open_ms: f64,
-    /// Milliseconds that its driver took to compile each pipeline for the first time in this run, by the name of what
-    /// was prepared. No other time has any of it.
+    /// Milliseconds that its driver took to compile the pipelines of each technique, and of `synthesis` by itself, which
+    /// was first: making them, and what the first frame took more than the second. Times of preparations are without
+    /// making pipelines. Drivers may keep what they have compiled from run to run, out of anyone's reach.
     pub compile_ms: BTreeMap<String, f64>,
     /// What was measured, in order.
     pub measurements: Vec<Measurement>,
@@ -132,14 +133,15 @@ pub enum Kind {
     Preparation,
     /// Per-frame synthesis with frames in flight: frames a second.
     Throughput,
-    /// Frames of a technique for a long time, to see clocks and temperatures settle: milliseconds.
+    /// Frames of a technique for many rounds, the slowest of which counts: milliseconds.
     Sustained,
 }
 
 /// One row of the table.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Measurement {
-    /// Names it among all, the same in every run: `frame/object/head/light-orbit/1920x1080`.
+    /// Names it among all, the same in every run: `frame/object/head/light-orbit/1920x1080`, or `sustained/...` for a
+    /// sustained run's frames.
     pub id: String,
     /// What it is of.
     pub kind: Kind,
@@ -161,6 +163,9 @@ pub struct Measurement {
     pub gpu: Option<Samples>,
     /// By the host's clock, from the begin of recording to the end of the wait.
     pub wall: Option<Samples>,
+    /// The median of each round by the host's clock, in order. In a sustained run the samples above are those of the
+    /// slowest round, else of all rounds.
+    pub round_p50: Vec<f64>,
     /// Bytes of GPU memory that the context held.
     pub memory_bytes: u64,
     /// What came out, and whether it is right.
