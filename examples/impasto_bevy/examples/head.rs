@@ -169,13 +169,23 @@ impl Film {
     }
 }
 
+/// The head, as long as it is there.
+type TheHead<'w, 's> = Option<
+    Single<
+        'w,
+        's,
+        (Entity, &'static Painted, &'static mut Transform, &'static mut Visibility),
+        (With<Head>, Without<Ball>),
+    >,
+>;
+
 /// Takes one shot after the other. Nothing moves while a picture is on its way.
 fn direct(
     mut commands: Commands,
     mut film: ResMut<Film>,
     mut exit: MessageWriter<AppExit>,
     camera: Single<&mut Transform, (With<Camera3d>, Without<Head>)>,
-    head: Option<Single<(Entity, &Painted, &mut Transform, &mut Visibility), (With<Head>, Without<Ball>)>>,
+    head: TheHead,
     ball: Option<Single<(Entity, &mut Visibility), With<Ball>>>,
 ) {
     film.frames += 1;
