@@ -3,7 +3,7 @@
 CARGO ?= cargo
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test format lint docs units check-shaders shaders assets pictures embed-wgpu \
+.PHONY: help demo test format lint docs units check-shaders shaders assets pictures embed-wgpu embed-bevy \
 	bench clean
 
 help:
@@ -14,6 +14,7 @@ help:
 	@echo "make assets   make the models and paint strips in assets/ again"
 	@echo "make pictures make the pictures of README.md again"
 	@echo "make embed-wgpu  build and check the wgpu program that impasto paints into (examples/impasto_wgpu)"
+	@echo "make embed-bevy  build and check the plugin for Bevy (examples/impasto_bevy); takes long"
 	@echo "make clean    delete what was built"
 
 # `impasto bench` tells which commit it was built from, with + if files had been changed; nothing, outside of git.
@@ -62,6 +63,15 @@ embed-wgpu:
 	$(CARGO) fmt --check --manifest-path examples/impasto_wgpu/Cargo.toml
 	$(CARGO) run --locked --manifest-path examples/impasto_wgpu/Cargo.toml --target-dir $(wgpu_host) -- \
 		--check $(wgpu_host)/pictures
+
+# Another one, and outside of the tests, since Bevy takes long to build.
+bevy_host := $(or $(CARGO_TARGET_DIR),target)/impasto_bevy
+
+embed-bevy:
+	@scripts/setup test
+	$(CARGO) fmt --check --manifest-path examples/impasto_bevy/Cargo.toml
+	$(CARGO) run --locked --manifest-path examples/impasto_bevy/Cargo.toml --target-dir $(bevy_host) --example head -- \
+		$(bevy_host)/pictures --validate
 
 bench:
 	@scripts/setup demo
