@@ -20,7 +20,7 @@ use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::settings::{Backends, InstanceFlags, WgpuSettings};
 use bevy::window::{ExitCondition, WindowPlugin};
 use checks::{Picture, SIZE_PX};
-use impasto_bevy::impasto::embed::{EffectDesc, Method};
+use impasto_bevy::impasto::embed::Method;
 use impasto_bevy::impasto::paint::PaintSample;
 use impasto_bevy::impasto::scene;
 use impasto_bevy::impasto::synthesis::params::QuiltParams;
@@ -55,7 +55,7 @@ fn main() -> AppExit {
     let exit = App::new()
         .add_plugins(DefaultPlugins.set(no_window).set(log).set(render))
         .add_plugins(ScheduleRunnerPlugin::run_loop(Duration::ZERO))
-        .add_plugins(ImpastoPlugin { piece: 4 * EffectDesc::PIECE })
+        .add_plugins(ImpastoPlugin::default())
         .insert_resource(ClearColor(Color::srgb(0.86, 0.84, 0.80)))
         .insert_resource(Film::new(out))
         .add_systems(Startup, build)
