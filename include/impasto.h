@@ -395,154 +395,6 @@ typedef struct ImpastoMesh ImpastoMesh;
 typedef struct ImpastoPaint ImpastoPaint;
 
 /**
- * An image of the host's: 2D, with one level and one layer. It and its view must live until whatever was made with it
- * is destroyed and the GPU is done with it.
- */
-typedef struct ImpastoImage {
-  /**
-   * sizeof(ImpastoImage).
-   */
-  uint32_t struct_size;
-  /**
-   * Its format.
-   */
-  VkFormat format;
-  /**
-   * The image.
-   */
-  VkImage image;
-  /**
-   * A view of the whole of it.
-   */
-  VkImageView view;
-  /**
-   * Its width, pixels.
-   */
-  uint32_t width_px;
-  /**
-   * Its height, pixels.
-   */
-  uint32_t height_px;
-  /**
-   * What it was made for.
-   */
-  VkImageUsageFlags usage;
-  /**
-   * 0.
-   */
-  uint32_t reserved;
-} ImpastoImage;
-
-/**
- * A host's image that is painted into, of the effect's size. Plain: never grows.
- */
-typedef struct ImpastoTarget {
-  /**
-   * Its colours: R8G8B8A8 or B8G8R8A8, UNORM or SRGB, A2B10G10R10_UNORM_PACK32 or R16G16B16A16_SFLOAT, made for
-   * COLOR_ATTACHMENT.
-   */
-  const struct ImpastoImage *color;
-  /**
-   * Its depth, in any format of Vulkan's for depth but D16_UNORM_S8_UINT, made for DEPTH_STENCIL_ATTACHMENT; null:
-   * nothing hides the picture.
-   */
-  const struct ImpastoImage *depth;
-} ImpastoTarget;
-
-/**
- * What a picture is laid over.
- */
-typedef struct ImpastoCompositeDesc {
-  /**
-   * sizeof(ImpastoCompositeDesc).
-   */
-  uint32_t struct_size;
-  /**
-   * How many targets, as of a swapchain; all of the same formats.
-   */
-  uint32_t target_count;
-  /**
-   * The targets.
-   */
-  const struct ImpastoTarget *targets;
-  /**
-   * An ImpastoTargetColor.
-   */
-  uint32_t color;
-  /**
-   * 1: in the targets' depth nearer is more.
-   */
-  uint32_t reversed;
-} ImpastoCompositeDesc;
-
-/**
- * How an image is used at a point of the command buffer. Plain: never grows.
- */
-typedef struct ImpastoUse {
-  /**
-   * The stages that use it, or have used it.
-   */
-  VkPipelineStageFlags stages;
-  /**
-   * The accesses.
-   */
-  VkAccessFlags access;
-  /**
-   * The layout that it lies in.
-   */
-  VkImageLayout layout;
-} ImpastoUse;
-
-/**
- * How an image was used before a call records, and how it will be after. The library records the barriers on both
- * sides. Plain: never grows.
- */
-typedef struct ImpastoImageUse {
-  /**
-   * What the host has done last. All zero: what the library knows of it.
-   */
-  struct ImpastoUse before;
-  /**
-   * What the host will do next. All zero: the library leaves it as it is, and where impasto_effect_picture() says.
-   */
-  struct ImpastoUse after;
-} ImpastoImageUse;
-
-/**
- * How a picture is laid over a target.
- */
-typedef struct ImpastoCompositeFrame {
-  /**
-   * sizeof(ImpastoCompositeFrame).
-   */
-  uint32_t struct_size;
-  /**
-   * The number of the target.
-   */
-  uint32_t target;
-  /**
-   * 16 numbers: the projection that the host has drawn the target's depth with; null: depth_a and depth_b tell.
-   */
-  const float *projection;
-  /**
-   * The depth that the host has for a surface at distance z is depth_a + depth_b / z.
-   */
-  float depth_a;
-  /**
-   * See above.
-   */
-  float depth_b;
-  /**
-   * The use of the target's colours, before and after.
-   */
-  const struct ImpastoImageUse *color;
-  /**
-   * The use of the target's depth, if it has one.
-   */
-  const struct ImpastoImageUse *depth;
-} ImpastoCompositeFrame;
-
-/**
  * What the library needs of instance, device and queue.
  */
 typedef struct ImpastoRequirements {
@@ -621,6 +473,110 @@ typedef struct ImpastoHostDevice {
    */
   uint32_t reserved;
 } ImpastoHostDevice;
+
+/**
+ * Geometry at hand.
+ */
+typedef struct ImpastoMeshDesc {
+  /**
+   * sizeof(ImpastoMeshDesc).
+   */
+  uint32_t struct_size;
+  /**
+   * Vertices.
+   */
+  uint32_t vertex_count;
+  /**
+   * Three numbers for each vertex.
+   */
+  const float *positions;
+  /**
+   * Three numbers for each vertex; those that are 0 or not finite are computed, and all if this is null.
+   */
+  const float *normals;
+  /**
+   * Three for each triangle, counter-clockwise seen from the front.
+   */
+  const uint32_t *indices;
+  /**
+   * How many indices each object has, one object after the other; null makes everything one object.
+   */
+  const uint32_t *object_index_counts;
+  /**
+   * Indices in all.
+   */
+  uint32_t index_count;
+  /**
+   * Objects that object_index_counts tells of.
+   */
+  uint32_t object_count;
+  /**
+   * Where normals have to be computed, faces that meet at a sharper angle keep a hard edge: 0 to 180 degrees, usually
+   * 60.
+   */
+  float crease_deg;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+} ImpastoMeshDesc;
+
+/**
+ * What a mesh is.
+ */
+typedef struct ImpastoMeshInfo {
+  /**
+   * sizeof(ImpastoMeshInfo), set by the caller.
+   */
+  uint32_t struct_size;
+  /**
+   * Objects, each with paint and pose of its own.
+   */
+  uint32_t object_count;
+  /**
+   * Triangles.
+   */
+  uint32_t triangle_count;
+  /**
+   * The lowest coordinates of all vertices.
+   */
+  float low[3];
+  /**
+   * The highest.
+   */
+  float high[3];
+} ImpastoMeshInfo;
+
+/**
+ * A strip of paint at hand, dark on the left, light on the right; rows from the top, tightly packed. One of the two
+ * arrays is given.
+ */
+typedef struct ImpastoPaintDesc {
+  /**
+   * sizeof(ImpastoPaintDesc).
+   */
+  uint32_t struct_size;
+  /**
+   * Width, 1 to 4096 pixels.
+   */
+  uint32_t width_px;
+  /**
+   * Height, 1 to 4096 pixels.
+   */
+  uint32_t height_px;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+  /**
+   * Four bytes for each pixel, the last of which is not looked at; or null.
+   */
+  const uint8_t *rgba8;
+  /**
+   * Three numbers from 0 to 1 for each pixel, or null.
+   */
+  const float *rgb;
+} ImpastoPaintDesc;
 
 /**
  * A range of shade that is spread over the whole strip; all of it is 0 to 1. Plain: never grows.
@@ -863,6 +819,45 @@ typedef struct ImpastoDependentParams {
 } ImpastoDependentParams;
 
 /**
+ * An image of the host's: 2D, with one level and one layer. It and its view must live until whatever was made with it
+ * is destroyed and the GPU is done with it.
+ */
+typedef struct ImpastoImage {
+  /**
+   * sizeof(ImpastoImage).
+   */
+  uint32_t struct_size;
+  /**
+   * Its format.
+   */
+  VkFormat format;
+  /**
+   * The image.
+   */
+  VkImage image;
+  /**
+   * A view of the whole of it.
+   */
+  VkImageView view;
+  /**
+   * Its width, pixels.
+   */
+  uint32_t width_px;
+  /**
+   * Its height, pixels.
+   */
+  uint32_t height_px;
+  /**
+   * What it was made for.
+   */
+  VkImageUsageFlags usage;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+} ImpastoImage;
+
+/**
  * What is painted, with what, and how.
  */
 typedef struct ImpastoEffectDesc {
@@ -1064,6 +1059,39 @@ typedef struct ImpastoMoment {
 } ImpastoMoment;
 
 /**
+ * How an image is used at a point of the command buffer. Plain: never grows.
+ */
+typedef struct ImpastoUse {
+  /**
+   * The stages that use it, or have used it.
+   */
+  VkPipelineStageFlags stages;
+  /**
+   * The accesses.
+   */
+  VkAccessFlags access;
+  /**
+   * The layout that it lies in.
+   */
+  VkImageLayout layout;
+} ImpastoUse;
+
+/**
+ * How an image was used before a call records, and how it will be after. The library records the barriers on both
+ * sides. Plain: never grows.
+ */
+typedef struct ImpastoImageUse {
+  /**
+   * What the host has done last. All zero: what the library knows of it.
+   */
+  struct ImpastoUse before;
+  /**
+   * What the host will do next. All zero: the library leaves it as it is, and where impasto_effect_picture() says.
+   */
+  struct ImpastoUse after;
+} ImpastoImageUse;
+
+/**
  * A frame, as the host wants it.
  */
 typedef struct ImpastoFrame {
@@ -1128,108 +1156,80 @@ typedef struct ImpastoFrame {
 } ImpastoFrame;
 
 /**
- * Geometry at hand.
+ * A host's image that is painted into, of the effect's size. Plain: never grows.
  */
-typedef struct ImpastoMeshDesc {
+typedef struct ImpastoTarget {
   /**
-   * sizeof(ImpastoMeshDesc).
+   * Its colours: R8G8B8A8 or B8G8R8A8, UNORM or SRGB, A2B10G10R10_UNORM_PACK32 or R16G16B16A16_SFLOAT, made for
+   * COLOR_ATTACHMENT.
    */
-  uint32_t struct_size;
+  const struct ImpastoImage *color;
   /**
-   * Vertices.
+   * Its depth, in any format of Vulkan's for depth but D16_UNORM_S8_UINT, made for DEPTH_STENCIL_ATTACHMENT; null:
+   * nothing hides the picture.
    */
-  uint32_t vertex_count;
-  /**
-   * Three numbers for each vertex.
-   */
-  const float *positions;
-  /**
-   * Three numbers for each vertex; those that are 0 or not finite are computed, and all if this is null.
-   */
-  const float *normals;
-  /**
-   * Three for each triangle, counter-clockwise seen from the front.
-   */
-  const uint32_t *indices;
-  /**
-   * How many indices each object has, one object after the other; null makes everything one object.
-   */
-  const uint32_t *object_index_counts;
-  /**
-   * Indices in all.
-   */
-  uint32_t index_count;
-  /**
-   * Objects that object_index_counts tells of.
-   */
-  uint32_t object_count;
-  /**
-   * Where normals have to be computed, faces that meet at a sharper angle keep a hard edge: 0 to 180 degrees, usually
-   * 60.
-   */
-  float crease_deg;
-  /**
-   * 0.
-   */
-  uint32_t reserved;
-} ImpastoMeshDesc;
+  const struct ImpastoImage *depth;
+} ImpastoTarget;
 
 /**
- * What a mesh is.
+ * What a picture is laid over.
  */
-typedef struct ImpastoMeshInfo {
+typedef struct ImpastoCompositeDesc {
   /**
-   * sizeof(ImpastoMeshInfo), set by the caller.
+   * sizeof(ImpastoCompositeDesc).
    */
   uint32_t struct_size;
   /**
-   * Objects, each with paint and pose of its own.
+   * How many targets, as of a swapchain; all of the same formats.
    */
-  uint32_t object_count;
+  uint32_t target_count;
   /**
-   * Triangles.
+   * The targets.
    */
-  uint32_t triangle_count;
+  const struct ImpastoTarget *targets;
   /**
-   * The lowest coordinates of all vertices.
+   * An ImpastoTargetColor.
    */
-  float low[3];
+  uint32_t color;
   /**
-   * The highest.
+   * 1: in the targets' depth nearer is more.
    */
-  float high[3];
-} ImpastoMeshInfo;
+  uint32_t reversed;
+} ImpastoCompositeDesc;
 
 /**
- * A strip of paint at hand, dark on the left, light on the right; rows from the top, tightly packed. One of the two
- * arrays is given.
+ * How a picture is laid over a target.
  */
-typedef struct ImpastoPaintDesc {
+typedef struct ImpastoCompositeFrame {
   /**
-   * sizeof(ImpastoPaintDesc).
+   * sizeof(ImpastoCompositeFrame).
    */
   uint32_t struct_size;
   /**
-   * Width, 1 to 4096 pixels.
+   * The number of the target.
    */
-  uint32_t width_px;
+  uint32_t target;
   /**
-   * Height, 1 to 4096 pixels.
+   * 16 numbers: the projection that the host has drawn the target's depth with; null: depth_a and depth_b tell.
    */
-  uint32_t height_px;
+  const float *projection;
   /**
-   * 0.
+   * The depth that the host has for a surface at distance z is depth_a + depth_b / z.
    */
-  uint32_t reserved;
+  float depth_a;
   /**
-   * Four bytes for each pixel, the last of which is not looked at; or null.
+   * See above.
    */
-  const uint8_t *rgba8;
+  float depth_b;
   /**
-   * Three numbers from 0 to 1 for each pixel, or null.
+   * The use of the target's colours, before and after.
    */
-  const float *rgb;
-} ImpastoPaintDesc;
+  const struct ImpastoImageUse *color;
+  /**
+   * The use of the target's depth, if it has one.
+   */
+  const struct ImpastoImageUse *depth;
+} ImpastoCompositeFrame;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1250,163 +1250,6 @@ const char *impasto_status_text(uint32_t status);
  * next one fails.
  */
 const char *impasto_last_error(void);
-
-/**
- * Prepares to lay the picture of an effect that is ready over a host's images.
- */
-ImpastoStatus impasto_composite_create(const struct ImpastoEffect *effect,
-                                       const struct ImpastoCompositeDesc *desc,
-                                       struct ImpastoComposite **composite);
-
-/**
- * Records the picture of the effect's last frame into a target, and nothing if it fails. It must be submitted.
- */
-ImpastoStatus impasto_composite_record(const struct ImpastoComposite *composite,
-                                       VkCommandBuffer commands,
-                                       const struct ImpastoCompositeFrame *frame);
-
-/**
- * Destroys a composite; null is fine. What the GPU still uses is freed when the frame is safe.
- */
-ImpastoStatus impasto_composite_destroy(struct ImpastoComposite *composite);
-
-/**
- * Tells what the library needs, before there is a device.
- */
-ImpastoStatus impasto_requirements(struct ImpastoRequirements *requirements);
-
-/**
- * Borrows a device.
- */
-ImpastoStatus impasto_context_create(const struct ImpastoHostDevice *device, struct ImpastoContext **context);
-
-/**
- * Tells where the GPU is: what is recorded from here on belongs to `current_frame`, and everything recorded in frames
- * up to and including `safe_frame` has run. What was destroyed in safe frames is freed now. Once a frame, and before
- * each call of impasto_effect_prepare().
- */
-ImpastoStatus impasto_context_advance(const struct ImpastoContext *context,
-                                      uint64_t current_frame,
-                                      uint64_t safe_frame);
-
-/**
- * The bytes of GPU memory that what stands on the context takes now.
- */
-ImpastoStatus impasto_context_allocated_bytes(const struct ImpastoContext *context, uint64_t *bytes);
-
-/**
- * Gives the device back; null is fine. The GPU must be done with all that was recorded. What stands on the context
- * must be destroyed before, else nothing happens and the answer is IMPASTO_STATUS_IN_USE.
- */
-ImpastoStatus impasto_context_destroy(struct ImpastoContext *context);
-
-/**
- * Fills in the defaults of the library for a technique; what has none is 0. The caller has set struct_size.
- */
-ImpastoStatus impasto_effect_desc_init(struct ImpastoEffectDesc *desc, uint32_t technique);
-
-/**
- * Starts to prepare an effect, on a thread of its own. Mesh and paints may be destroyed then.
- */
-ImpastoStatus impasto_effect_create(const struct ImpastoContext *context,
-                                    const struct ImpastoEffectDesc *desc,
-                                    struct ImpastoEffect **effect);
-
-/**
- * Records the next piece of the preparation, if one is due. Once a frame, or more often, until it is ready. `progress`
- * may be null.
- */
-ImpastoStatus impasto_effect_prepare(const struct ImpastoEffect *effect,
-                                     VkCommandBuffer commands,
-                                     struct ImpastoProgress *progress);
-
-/**
- * Tells how far the preparation is.
- */
-ImpastoStatus impasto_effect_progress(const struct ImpastoEffect *effect, struct ImpastoProgress *progress);
-
-/**
- * Tells of the picture: VK_FORMAT_R8G8B8A8_UNORM, straight alpha, background 0.
- */
-ImpastoStatus impasto_effect_picture(const struct ImpastoEffect *effect, struct ImpastoPicture *picture);
-
-/**
- * Tells of the picture's depth, 0 near to 1 far, and 1 where nothing is; the host's own where it draws the guides.
- */
-ImpastoStatus impasto_effect_depth(const struct ImpastoEffect *effect, struct ImpastoPicture *depth);
-
-/**
- * Destroys an effect; null is fine. What the GPU still uses is freed when the frame is safe. A preparation that is
- * under way is given up, and waited for on the CPU.
- */
-ImpastoStatus impasto_effect_destroy(struct ImpastoEffect *effect);
-
-/**
- * Records a frame of an effect that is ready, and nothing if it fails. It must be submitted.
- */
-ImpastoStatus impasto_effect_record(const struct ImpastoEffect *effect,
-                                    VkCommandBuffer commands,
-                                    const struct ImpastoFrame *frame);
-
-/**
- * Fills in the defaults of the library; what has none is 0. The caller has set struct_size.
- */
-ImpastoStatus impasto_mesh_desc_init(struct ImpastoMeshDesc *desc);
-
-/**
- * Reads a Wavefront OBJ file.
- */
-ImpastoStatus impasto_mesh_load(const char *file, struct ImpastoMesh **mesh);
-
-/**
- * Makes a mesh of geometry at hand, which is copied.
- */
-ImpastoStatus impasto_mesh_create(const struct ImpastoMeshDesc *desc, struct ImpastoMesh **mesh);
-
-/**
- * Tells what a mesh is.
- */
-ImpastoStatus impasto_mesh_info(const struct ImpastoMesh *mesh, struct ImpastoMeshInfo *info);
-
-/**
- * Destroys a mesh; null is fine. Effects that were made with it keep what they need.
- */
-ImpastoStatus impasto_mesh_destroy(struct ImpastoMesh *mesh);
-
-/**
- * Reads a picture of a strip (PNG, JPEG, BMP, GIF or TIFF).
- */
-ImpastoStatus impasto_paint_load(const char *file, struct ImpastoPaint **paint);
-
-/**
- * Makes a paint of pixels at hand, which are copied.
- */
-ImpastoStatus impasto_paint_create(const struct ImpastoPaintDesc *desc, struct ImpastoPaint **paint);
-
-/**
- * Destroys a paint; null is fine. Effects that were made with it keep what they need.
- */
-ImpastoStatus impasto_paint_destroy(struct ImpastoPaint *paint);
-
-/**
- * Fills in the defaults of the library. The caller has set struct_size.
- */
-ImpastoStatus impasto_object_params_init(struct ImpastoObjectParams *params);
-
-/**
- * Fills in the defaults of the library. The caller has set struct_size.
- */
-ImpastoStatus impasto_image_params_init(struct ImpastoImageParams *params);
-
-/**
- * Fills in the defaults of the library. The caller has set struct_size.
- */
-ImpastoStatus impasto_aligned_params_init(struct ImpastoAlignedParams *params);
-
-/**
- * Fills in the defaults of the library. The caller has set struct_size.
- */
-ImpastoStatus impasto_dependent_params_init(struct ImpastoDependentParams *params);
 
 /**
  * Tells what the library needs, before there is a device.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// The files that declare what C sees, in the order of the header.
 const FILES: [&str; 10] =
-    ["types", "handles", "mod", "context", "image", "mesh", "params", "effect", "frame", "composite"];
+    ["types", "handles", "status", "context", "image", "mesh", "params", "effect", "frame", "composite"];
 /// Declared, but named by no function: structures have them as plain numbers.
 const NUMBERS: [&str; 9] = [
     "ImpastoBlend",

@@ -31,41 +31,5 @@ pub use handles::{ImpastoComposite, ImpastoContext, ImpastoEffect, ImpastoMesh, 
 pub use image::ImpastoImage;
 pub use mesh::*;
 pub use params::*;
+pub use status::{impasto_last_error, impasto_status_text, impasto_version};
 pub use types::*;
-
-use std::ffi::{c_char, CStr};
-
-/// The version of the library, as IMPASTO_VERSION.
-#[no_mangle]
-pub extern "C" fn impasto_version() -> u32 {
-    IMPASTO_VERSION
-}
-
-/// A few words on a status, which stay for ever.
-#[no_mangle]
-pub extern "C" fn impasto_status_text(status: u32) -> *const c_char {
-    const WORDS: [&CStr; 14] = [
-        c"done",
-        c"a pointer or handle that is needed is null",
-        c"a handle is of another kind, was destroyed, or never was one",
-        c"a struct_size is none, or the structure is of a newer version",
-        c"a value is out of its range",
-        c"what a file holds is not usable",
-        c"a file could not be read",
-        c"not prepared yet",
-        c"something still stands on it",
-        c"the device lacks something",
-        c"the device is lost",
-        c"not enough memory",
-        c"a Vulkan call failed",
-        c"a fault in impasto was caught",
-    ];
-    WORDS.get(status as usize).copied().unwrap_or(c"an unknown status").as_ptr()
-}
-
-/// What went wrong in the last call of this thread that failed, with the details; "" if none has. It stays until the
-/// next one fails.
-#[no_mangle]
-pub extern "C" fn impasto_last_error() -> *const c_char {
-    status::last_error()
-}

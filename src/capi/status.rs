@@ -1,11 +1,11 @@
 //! What a call answers: a status, and the words of the last failure of this thread.
 
-use super::types::ImpastoStatus;
+use super::types::{ImpastoStatus, IMPASTO_VERSION};
 use crate::Error;
 use ash::vk;
 use std::any::Any;
 use std::cell::RefCell;
-use std::ffi::{c_char, CString};
+use std::ffi::{c_char, CStr, CString};
 use std::panic::{catch_unwind, AssertUnwindSafe};
 
 /// Why a call fails.
@@ -52,8 +52,38 @@ thread_local! {
     static LAST_ERROR: RefCell<CString> = RefCell::default();
 }
 
-/// The words of the last failure of this thread; what is pointed to stays until the next one.
-pub(super) fn last_error() -> *const c_char {
+/// The version of the library, as IMPASTO_VERSION.
+#[no_mangle]
+pub extern "C" fn impasto_version() -> u32 {
+    IMPASTO_VERSION
+}
+
+/// A few words on a status, which stay for ever.
+#[no_mangle]
+pub extern "C" fn impasto_status_text(status: u32) -> *const c_char {
+    const WORDS: [&CStr; 14] = [
+        c"done",
+        c"a pointer or handle that is needed is null",
+        c"a handle is of another kind, was destroyed, or never was one",
+        c"a struct_size is none, or the structure is of a newer version",
+        c"a value is out of its range",
+        c"what a file holds is not usable",
+        c"a file could not be read",
+        c"not prepared yet",
+        c"something still stands on it",
+        c"the device lacks something",
+        c"the device is lost",
+        c"not enough memory",
+        c"a Vulkan call failed",
+        c"a fault in impasto was caught",
+    ];
+    WORDS.get(status as usize).copied().unwrap_or(c"an unknown status").as_ptr()
+}
+
+/// What went wrong in the last call of this thread that failed, with the details; "" if none has. It stays until the
+/// next one fails.
+#[no_mangle]
+pub extern "C" fn impasto_last_error() -> *const c_char {
     LAST_ERROR.with_borrow(|text| text.as_ptr())
 }
 
@@ -86,11 +116,10 @@ fn panicked(payload: Box<dyn Any + Send>) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::ffi::CStr;
 
     fn words() -> String {
         // SAFETY: it points to this thread's text, which nothing changes meanwhile.
-        unsafe { CStr::from_ptr(last_error()) }.to_str().expect("UTF-8").to_owned()
+        unsafe { CStr::from_ptr(impasto_last_error()) }.to_str().expect("UTF-8").to_owned()
     }
 
     #[test]
