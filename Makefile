@@ -3,7 +3,8 @@
 CARGO ?= cargo
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test format lint docs units check-shaders shaders assets pictures bench clean
+.PHONY: help demo test format lint docs units check-shaders shaders assets pictures embed-wgpu \
+	bench clean
 
 help:
 	@echo "make demo     install what is missing, build, and paint the pictures that demo/index.html shows"
@@ -12,7 +13,11 @@ help:
 	@echo "make shaders  compile glsl/ to the SPIR-V that is checked in (after changing a shader)"
 	@echo "make assets   make the models and paint strips in assets/ again"
 	@echo "make pictures make the pictures of README.md again"
+	@echo "make embed-wgpu  build and check the wgpu program that impasto paints into (examples/impasto_wgpu)"
 	@echo "make clean    delete what was built"
+
+# `impasto bench` tells which commit it was built from, with + if files had been changed; nothing, outside of git.
+demo bench: export IMPASTO_COMMIT = $(shell git describe --always --exclude='*' --dirty=+ 2>/dev/null)
 
 demo:
 	@scripts/setup demo
@@ -48,6 +53,15 @@ assets:
 
 pictures:
 	@CARGO="$(CARGO)" scripts/pictures
+
+# A package of its own: wgpu is nothing that impasto depends on.
+wgpu_host := $(or $(CARGO_TARGET_DIR),target)/impasto_wgpu
+
+embed-wgpu:
+	@scripts/setup test
+	$(CARGO) fmt --check --manifest-path examples/impasto_wgpu/Cargo.toml
+	$(CARGO) run --locked --manifest-path examples/impasto_wgpu/Cargo.toml --target-dir $(wgpu_host) -- \
+		--check $(wgpu_host)/pictures
 
 bench:
 	@scripts/setup demo

@@ -46,6 +46,10 @@ pub enum Error {
         /// Its result code.
         result: ash::vk::Result,
     },
+    /// The device is lost: it crashed, hung or was taken away, and what was on it is gone. All that can be done is to
+    /// drop everything that was made with the context, and to begin again with a new device.
+    #[error("the GPU is lost (it crashed, hung or was removed), and all that was on it with it")]
+    DeviceLost,
     /// More GPU memory is needed than the context may use.
     #[error("{what} needs {needed} bytes of GPU memory, but {available} are left of the context's budget")]
     Memory {

@@ -23,6 +23,7 @@
 //! - [`synthesis`] makes more texture from a sample by quilting, and makes pictures tileable.
 //! - [`technique`] paints, in four ways: it takes guides or a mesh, paints and synthesis, and gives a frame.
 //! - [`metric`] says how good a picture is, and how calm a sequence (thesis chapter 9).
+//! - [`embed`] is one mesh painted by one technique inside of an engine's frame.
 //! - [`gpu`] holds every Vulkan call: a device of one's own or a host's, memory, passes and their barriers.
 //! - [`error`] is the one error type; no input makes the crate panic.
 //!
@@ -98,3 +99,8 @@ pub use error::{Error, Result};
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// And those of the page on embedding.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/embedding.md")]
+struct Embedding;

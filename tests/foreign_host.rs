@@ -208,6 +208,26 @@ fn a_foreign_host_draws_the_same_guides() {
     assert_silent(&host.destroy());
 }
 
+/// What the library asks for is what the host's device was made with: nothing but a queue that draws and computes.
+#[test]
+fn a_host_knows_what_is_needed_before_it_makes_its_device() {
+    let host = Host::new();
+    let needs = impasto::gpu::requirements();
+    assert_eq!(needs.api_version, vk::API_VERSION_1_1);
+    assert!(needs.instance_extensions.is_empty() && needs.device_extensions.is_empty());
+    assert!(!format!("{:?}", needs.features).contains(": 1"), "a feature is needed: {:?}", needs.features);
+    // SAFETY: the host's instance is live, and so is its device.
+    let check = |family| unsafe { needs.check(&host.instance, host.physical, family) };
+    check(host.family).expect("the host's device");
+    let error = check(99).expect_err("no such family").to_string();
+    assert!(error.ends_with("cannot be used: it has no queue family of that number"), "{error}");
+    let lent = HostDevice { queue_family: 99, ..host.lent() };
+    // SAFETY: refused before anything is done with it.
+    let refused = unsafe { Context::from_host(lent) }.map(|_| ()).expect_err("no such family");
+    assert_eq!(refused.to_string(), error);
+    assert_silent(&host.destroy());
+}
+
 #[test]
 fn only_the_host_submits() {
     let host = Host::new();

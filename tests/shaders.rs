@@ -163,6 +163,21 @@ fn beyond_vulkan_1_1(binary: &Binary) -> Vec<String> {
     faults
 }
 
+/// Storage images and colour attachments of fragment shaders, of which Vulkan promises few.
+#[test]
+fn a_host_is_told_of_as_many_fragment_outputs_as_there_are() {
+    let outputs = shader_table::raster_shaders().into_iter().map(|(_, fragment, shader)| {
+        let source = std::fs::read_to_string(glsl().join(fragment)).expect(fragment);
+        let colors = source.lines().filter(|l| l.starts_with("layout(location") && l.contains(") out ")).count();
+        let stored = shader.bindings.iter().filter(|kind| !matches!(kind, BindingKind::Sampled(_))).count();
+        (colors as u32, (colors + stored) as u32)
+    });
+    let (colors, outputs): (Vec<u32>, Vec<u32>) = outputs.unzip();
+    let limits = impasto::gpu::requirements().limits;
+    assert_eq!(colors.into_iter().max(), Some(limits.color_attachments));
+    assert_eq!(outputs.into_iter().max(), Some(limits.fragment_outputs));
+}
+
 #[test]
 fn a_binary_that_asks_for_more_is_noticed() {
     let path = glsl().join("spirv/synthesis/quilt_place.comp.spv");

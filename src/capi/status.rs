@@ -35,12 +35,15 @@ impl From<Error> for Failure {
             Error::File { .. } => ImpastoStatus::File,
             Error::Parameter { .. } => ImpastoStatus::Parameter,
             Error::Device(_) => ImpastoStatus::Device,
+            Error::DeviceLost => ImpastoStatus::DeviceLost,
             Error::Memory { .. } => ImpastoStatus::OutOfMemory,
             Error::Vulkan { result, .. } => match *result {
                 vk::Result::ERROR_DEVICE_LOST => ImpastoStatus::DeviceLost,
-                vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-                    ImpastoStatus::OutOfMemory
-                }
+                vk::Result::ERROR_OUT_OF_DEVICE_MEMORY
+                | vk::Result::ERROR_OUT_OF_HOST_MEMORY
+                | vk::Result::ERROR_OUT_OF_POOL_MEMORY
+                | vk::Result::ERROR_FRAGMENTED_POOL
+                | vk::Result::ERROR_MEMORY_MAP_FAILED => ImpastoStatus::OutOfMemory,
                 _ => ImpastoStatus::Vulkan,
             },
         };
@@ -93,11 +96,15 @@ pub(super) fn guard(call: impl FnOnce() -> Result<()>) -> ImpastoStatus {
     // the host to destroy it.
     let result = catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|payload| Err(panicked(payload)));
     let Err(failure) = result else { return ImpastoStatus::Ok };
-    let mut text = failure.text.into_bytes();
-    text.retain(|byte| *byte != 0);
-    let text = CString::new(text).unwrap_or_default();
+    let text = c_string(&failure.text);
     LAST_ERROR.with_borrow_mut(|last| *last = text);
     failure.status
+}
+
+/// Words for C.
+pub(super) fn c_string(words: &str) -> CString {
+    let bytes: Vec<u8> = words.bytes().filter(|byte| *byte != 0).collect();
+    CString::new(bytes).unwrap_or_default()
 }
 
 fn panicked(payload: Box<dyn Any + Send>) -> Failure {

@@ -1,6 +1,6 @@
 //! `impasto compare`: all techniques, still and moving, measured alike, and one report (thesis chapter 10).
 
-use super::builtin::builtin;
+use super::builtin::{builtin_model, builtin_strip};
 use super::compare_page::{self, Report};
 use super::error_map::ErrorMap;
 use super::failure::{Failure, Result};
@@ -24,7 +24,7 @@ use super::view::ViewFlags;
 use clap::Args;
 use impasto::metric::{flip, shading_error, similarity, FlipParams, Motion, Picture, BLOCK_PX};
 use impasto::paint::PaintSample;
-use impasto::scene::{Mesh, MeshOptions, Moment};
+use impasto::scene::{Mesh, Moment};
 use impasto::technique::Show;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -105,7 +105,7 @@ pub fn run(args: &CompareArgs, session: &mut Session) -> Result {
     let lights = args.view.lights()?;
     let (model, mesh) = match &args.model {
         Some(path) => (path.display().to_string(), load_model(path, session)?),
-        None => (MODEL.to_owned(), builtin_model()?),
+        None => (MODEL.to_owned(), builtin_model(MODEL)?),
     };
     let camera = args.view.camera(&mesh, args.size.aspect())?;
     let cameras = [camera, camera.orbited(args.turn, args.view.axis())?.fit_depth(&mesh)];
@@ -193,8 +193,7 @@ impl CompareArgs {
         }
         if samples.is_empty() {
             for name in STRIPS {
-                let bytes = builtin(name).map(|file| file.bytes).unwrap_or_default();
-                samples.push((name.to_owned(), PaintSample::decode(bytes, Path::new(name))?));
+                samples.push((name.to_owned(), builtin_strip(name)?));
             }
         }
         let separate = |(name, sample): (String, PaintSample)| {
@@ -283,11 +282,6 @@ impl Stage<'_> {
 
 fn file_name(paint: usize, technique: TechniqueName) -> String {
     format!("{}_{}", paint + 1, compare_page::word(technique))
-}
-
-fn builtin_model() -> Result<Mesh> {
-    let bytes = builtin(MODEL).map(|file| file.bytes).unwrap_or_default();
-    Ok(Mesh::parse(bytes, MODEL, &MeshOptions::default())?.mesh)
 }
 
 /// What the paints are called: their files' names without folder and extension, or all of it where two would be the

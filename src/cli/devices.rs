@@ -18,6 +18,12 @@ pub fn run(session: &mut Session) -> Result {
         let mark = if device.index == best { "  (default)" } else { "" };
         lines.push(format!("{}  {}{mark}", device.index, device.name));
         lines.push(format!("   {:10}  Vulkan {}  {}", device.kind, device.api_version_text(), device.uuid));
+        let place = device.pci.map(|address| format!("PCI {address}"));
+        let driver = [&device.driver_name, &device.driver_info].into_iter().flatten().cloned();
+        let more: Vec<String> = place.into_iter().chain(driver).collect();
+        if !more.is_empty() {
+            lines.push(format!("   {}", more.join("  ")));
+        }
     }
     let list: Vec<Value> = devices.iter().map(device_json).collect();
     session.result("default_device", best, lines.join("\n"));

@@ -90,6 +90,8 @@ enum Command {
     Measure(measure::MeasureArgs),
     /// Paint a model with every technique, still and moving, measure them all alike, and write one report
     Compare(Box<compare::CompareArgs>),
+    /// Measure how fast the devices are, and whether they compute what they should
+    Bench(bench::BenchArgs),
     /// Show what the program can do, without any file: a page with pictures of everything
     Demo(demo::DemoArgs),
 }
@@ -133,6 +135,7 @@ impl Command {
             Command::Animate(_) => "animate",
             Command::Measure(_) => "measure",
             Command::Compare(_) => "compare",
+            Command::Bench(_) => "bench",
             Command::Demo(_) => "demo",
         }
     }
@@ -148,6 +151,7 @@ impl Command {
             Command::Animate(args) => animate::run(args, session),
             Command::Measure(args) => measure::run(args, session),
             Command::Compare(args) => compare::run(args, session),
+            Command::Bench(args) => bench::run(args, session),
             Command::Demo(args) => demo::run(args, session),
         }
     }

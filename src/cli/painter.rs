@@ -41,7 +41,8 @@ enum Prepared {
     Object(ObjectTechnique),
     /// The frame as it was asked for, and the offsets of the objects' textures.
     Aligned(AlignedTechnique, AlignedFrame, Vec<[f64; 2]>),
-    Dependent(Box<DependentTechnique>, CoverageReport),
+    /// With how the next picture's carrying is to be recorded, if that has not been done.
+    Dependent(Box<DependentTechnique>, CoverageReport, Option<Carry>),
 }
 
 impl<'a> Painter<'a> {
@@ -127,7 +128,7 @@ impl<'a> Painter<'a> {
                     progress.step();
                 }
                 technique.finish_preparation();
-                Prepared::Dependent(Box::new(technique), covered.report)
+                Prepared::Dependent(Box::new(technique), covered.report, None)
             }
         };
         Ok(Painter { scene, moment: scene.moment.clone(), guides, technique, range, began: false })
@@ -157,19 +158,18 @@ impl<'a> Painter<'a> {
                     *offset = [offset[0] - f64::from(way[0]), offset[1] - f64::from(way[1])];
                 }
             }
-            Prepared::Dependent(technique, _) => {
-                let carry = if fresh { Carry::Cut } else { Carry::Next };
-                device.runner.run(|recorder| {
-                    technique.record_carry(recorder, next.moment, carry);
-                    Ok(())
-                })?;
+            Prepared::Dependent(technique, _, pending) => {
+                // A frame that is shown is carried with its drawing, unless nobody has drawn it.
+                if let Some(carry) = pending.replace(if fresh { Carry::Cut } else { Carry::Next }) {
+                    record_carry(device, technique, &self.moment, carry)?;
+                }
+                if let Some(carry) = pending.take_if(|_| !next.shown) {
+                    record_carry(device, technique, next.moment, carry)?;
+                }
             }
         }
         self.moment = next.moment.clone();
         self.began = true;
-        if next.shown && matches!(self.technique, Prepared::Aligned(..)) {
-            self.draw_guides(device)?;
-        }
         Ok(())
     }
 
@@ -179,7 +179,14 @@ impl<'a> Painter<'a> {
 
     /// The frame: painted, its colour alone, or its texture alone.
     pub fn frame(&mut self, device: &mut Device, show: Show) -> Result<RgbaImage> {
-        let (moment, size) = (&self.moment, self.scene.size);
+        self.draw(device, show)?;
+        from_texels(device.runner.read_image(self.image())?, self.scene.size.pair())
+    }
+
+    /// Draws the frame and leaves it on the device, as [`Painter::image`]. With [`Painter::advance`] it is one
+    /// submission, but for what is synthesised anew.
+    pub fn draw(&mut self, device: &mut Device, show: Show) -> Result {
+        let moment = &self.moment;
         match &mut self.technique {
             Prepared::Image(frames) => frames.draw(device, show)?,
             Prepared::Object(technique) => {
@@ -187,28 +194,39 @@ impl<'a> Painter<'a> {
             }
             Prepared::Aligned(technique, frame, offsets) => {
                 let frame = AlignedFrame { show, ..*frame };
-                device.runner.run(|recorder| technique.record(recorder, &frame, offsets))?;
+                let guides = &self.guides;
+                device.runner.run(|recorder| {
+                    guides.record(recorder, moment)?;
+                    technique.record(recorder, &frame, offsets)
+                })?;
             }
-            Prepared::Dependent(technique, _) => {
-                device.runner.run(|recorder| technique.record_picture(recorder, moment, show))?;
+            Prepared::Dependent(technique, _, pending) => {
+                let carry = pending.take();
+                device.runner.run(|recorder| {
+                    if let Some(carry) = carry {
+                        technique.record_carry(recorder, moment, carry);
+                    }
+                    technique.record_picture(recorder, moment, show)
+                })?;
             }
         }
-        from_texels(device.runner.read_image(self.image())?, size.pair())
+        Ok(())
     }
 
-    fn image(&self) -> &Image {
+    /// The frame that was drawn last: R8G8B8A8_UNORM, straight alpha.
+    pub fn image(&self) -> &Image {
         match &self.technique {
             Prepared::Image(frames) => frames.technique().frame(),
             Prepared::Object(technique) => technique.frame(),
             Prepared::Aligned(technique, ..) => technique.frame(),
-            Prepared::Dependent(technique, _) => technique.frame(),
+            Prepared::Dependent(technique, ..) => technique.frame(),
         }
     }
 
     /// What the search for views came to, if there was one.
     pub fn coverage(&self) -> Option<&CoverageReport> {
         match &self.technique {
-            Prepared::Dependent(_, report) => Some(report),
+            Prepared::Dependent(_, report, _) => Some(report),
             _ => None,
         }
     }
@@ -268,6 +286,13 @@ impl<'a> Painter<'a> {
         self.draw_guides(device)?;
         Ok(words(&device.runner.read_image(self.guides.id())?))
     }
+}
+
+fn record_carry(device: &mut Device, technique: &DependentTechnique, moment: &Moment, carry: Carry) -> Result {
+    Ok(device.runner.run(|recorder| {
+        technique.record_carry(recorder, moment, carry);
+        Ok(())
+    })?)
 }
 
 /// Synthesises levels with a progress bar.

@@ -125,13 +125,17 @@ impl PaintFlags {
 impl Paints {
     /// One strip for all objects of a model.
     pub fn single(strip: Strip, file: PathBuf, mesh: &Mesh) -> Self {
-        Paints {
-            strips: vec![Source::Strip(Box::new(strip))],
-            gradients: Vec::new(),
-            pairs: vec![(0, None)],
-            of_object: vec![0; mesh.objects().len()],
-            files: vec![file],
-        }
+        Self::in_turn([(strip, file)], mesh)
+    }
+
+    /// Strips for the objects of a model in turn: the first, the second, ..., the first again.
+    pub fn in_turn(strips: impl IntoIterator<Item = (Strip, PathBuf)>, mesh: &Mesh) -> Self {
+        let objects = mesh.objects().len();
+        let (strips, files): (Vec<_>, Vec<_>) =
+            strips.into_iter().take(objects).map(|(strip, file)| (Source::Strip(Box::new(strip)), file)).unzip();
+        let pairs: Vec<_> = (0..strips.len()).map(|strip| (strip, None)).collect();
+        let of_object = (0..objects).map(|object| (object % strips.len().max(1)) as u32).collect();
+        Paints { strips, gradients: Vec::new(), pairs, of_object, files }
     }
 
     /// The paints as the techniques take them, in the order of their numbers.

@@ -21,8 +21,8 @@ pub const PART_COMPARISONS: u64 = 400_000_000;
 /// Flags of every command.
 #[derive(Args, Debug, Clone)]
 pub struct Common {
-    /// The device: its index, (part of) its name, or its UUID, as `impasto devices` lists them
-    #[arg(long, global = true, value_name = "INDEX|NAME|UUID", help_heading = "Common options")]
+    /// The device: its index, (part of) its name, its UUID or its PCI address, as `impasto devices` lists them
+    #[arg(long, global = true, value_name = "INDEX|NAME|UUID|PCI", help_heading = "Common options")]
     pub device: Option<String>,
     /// Turn on the Vulkan validation layers; any message of theirs makes the exit status 1
     #[arg(long, global = true, help_heading = "Common options")]
@@ -52,6 +52,8 @@ pub struct Session {
     lines: Vec<String>,
     outputs: Vec<PathBuf>,
     closing: Option<String>,
+    document: Option<Value>,
+    wrong: Option<String>,
 }
 
 /// An open device.
@@ -83,12 +85,21 @@ impl Session {
             lines: Vec::new(),
             outputs: Vec::new(),
             closing: None,
+            document: None,
+            wrong: None,
         }
     }
 
     /// A session for a command that is run by this one.
     pub fn inner(&self, command: &'static str) -> Self {
         Session { messages: self.messages.clone(), ..Session::new(command, self.common.clone()) }
+    }
+
+    /// A session for parts of the work that are not to show any progress of their own.
+    pub fn silent(&self) -> Self {
+        let mut silent = self.inner(self.command);
+        silent.common.quiet = true;
+        silent
     }
 
     /// Takes over what an inner session has to report, but for its parameters, findings and files.
@@ -100,9 +111,22 @@ impl Session {
 
     /// Opens the device that was asked for.
     pub fn open_device(&mut self) -> Result<Device> {
-        let device = Device::open(&self.common, &self.messages)?;
+        let device = Device::asked_for(&self.common, &self.messages)?;
         self.device = Some(device.context.device_info().clone());
         Ok(device)
+    }
+
+    /// Opens a device by its index, for a command that opens several. Pipelines of earlier runs are not looked for.
+    pub fn open_uncached(&self, index: usize) -> Result<Device> {
+        Device::open(DeviceChoice::Index(index), self.common.validate, None, &self.messages)
+    }
+
+    /// The device that was asked for, if one was.
+    pub fn device_choice(&self) -> Option<DeviceChoice> {
+        self.common.device.as_deref().map(|text| {
+            let Ok(choice) = text.parse();
+            choice
+        })
     }
 
     /// Loads what the command is given while another thread opens the device and, if the command quilts, compiles the
@@ -115,7 +139,7 @@ impl Session {
     ) -> Result<(T, Device)> {
         let (common, messages) = (self.common.clone(), self.messages.clone());
         let open = || -> Result<Device> {
-            let mut device = Device::open(&common, &messages)?;
+            let mut device = Device::asked_for(&common, &messages)?;
             // What runs beside it would disturb a calibration.
             if let Some(quilting) = quilting.filter(|quilting| quilting.search != SearchFlag::Calibrate) {
                 device.quilt_stages(quilting.search)?.compile(&quilting.params(false))?;
@@ -223,6 +247,16 @@ impl Session {
         self.closing = Some(line);
     }
 
+    /// What `--json` prints in place of the report.
+    pub fn replace_document(&mut self, document: Value) {
+        self.document = Some(document);
+    }
+
+    /// What is wrong with what was found: the command fails with it, but its report is printed all the same.
+    pub fn found_wrong(&mut self, text: String) {
+        self.wrong = Some(text);
+    }
+
     /// Files that were written.
     pub fn wrote(&mut self, paths: Vec<PathBuf>) {
         self.outputs.extend(paths);
@@ -237,21 +271,23 @@ impl Session {
     /// when nothing of the command is left on the device, for they may speak up to the end.
     ///
     /// # Errors
-    /// The command's own, validation messages, or a standard output that cannot be written to.
-    pub fn close(self, result: Result) -> Result {
+    /// The command's own, validation messages, what was found wrong, or a standard output that cannot be written to.
+    pub fn close(mut self, result: Result) -> Result {
         let messages = self.messages.lock().map(|messages| messages.clone()).unwrap_or_default();
         for message in &messages {
             warn_on_stderr(&format!("validation: {message}"));
         }
         result?;
         if self.common.json {
-            print(&format!("{:#}\n", self.document(&messages)))?;
+            let document = self.document.take().unwrap_or_else(|| self.document(&messages));
+            print(&format!("{document:#}\n"))?;
         } else if !self.common.quiet {
             print(&self.summary())?;
         }
-        match messages.len() {
-            0 => Ok(()),
-            count => Err(Failure::new(format!("{count} message(s) of the validation layers"))),
+        match (messages.len(), self.wrong) {
+            (0, None) => Ok(()),
+            (0, Some(wrong)) => Err(Failure::new(wrong)),
+            (count, _) => Err(Failure::new(format!("{count} message(s) of the validation layers"))),
         }
     }
 
@@ -306,25 +342,27 @@ impl Session {
 }
 
 impl Device {
-    fn open(common: &Common, messages: &Arc<Mutex<Vec<String>>>) -> Result<Self> {
-        let sink = messages.clone();
-        let log: LogCallback = Arc::new(move |_, message| {
-            if let Ok(mut messages) = sink.lock() {
-                messages.push(message.to_owned());
-            }
-        });
-        let Ok(device) = common.device.as_deref().map_or(Ok(DeviceChoice::Best), str::parse);
-        let context = Context::new(&ContextOptions {
-            device,
-            validation: common.validate,
-            log: Some(log),
-            pipeline_cache_dir: cache_dir(),
-            memory_budget: None,
+    fn asked_for(common: &Common, messages: &Arc<Mutex<Vec<String>>>) -> Result<Self> {
+        let Ok(choice) = common.device.as_deref().map_or(Ok(DeviceChoice::Best), str::parse);
+        Self::open(choice, common.validate, cache_dir(), messages).map_err(|failure| match &common.device {
+            Some(_) => Failure::new(format!("--device: {}", failure.0)),
+            None => failure,
         })
-        .map_err(|error| match &common.device {
-            Some(_) => Failure::new(format!("--device: {error}")),
-            None => error.into(),
-        })?;
+    }
+
+    fn open(
+        device: DeviceChoice,
+        validation: bool,
+        pipeline_cache_dir: Option<PathBuf>,
+        messages: &Arc<Mutex<Vec<String>>>,
+    ) -> Result<Self> {
+        let sink = messages.clone();
+        let log: LogCallback = Arc::new(move |_, message| match sink.lock() {
+            Ok(mut messages) if validation => messages.push(message.to_owned()),
+            _ => warn_on_stderr(message),
+        });
+        let options = ContextOptions { device, validation, log: Some(log), pipeline_cache_dir, memory_budget: None };
+        let context = Context::new(&options)?;
         let runner = Runner::new(&context)?;
         Ok(Device { context, runner, quilt_stages: None })
     }
@@ -365,6 +403,9 @@ pub fn device_json(device: &DeviceInfo) -> Value {
         "uuid": device.uuid.to_string(),
         "api_version": device.api_version_text(),
         "driver_version": device.driver_version,
+        "driver_name": device.driver_name,
+        "driver_info": device.driver_info,
+        "pci": device.pci.map(|address| address.to_string()),
         "vendor_id": device.vendor_id,
         "device_id": device.device_id,
     })

@@ -121,7 +121,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// Text for one line of a terminal, which a name from outside must neither break nor steer.
-fn on_one_line(text: &str) -> String {
+pub fn on_one_line(text: &str) -> String {
     text.replace(char::is_control, " ")
 }
 

@@ -166,8 +166,9 @@ impl Composite {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a target that there is not, a depth that is not finite or runs the other way than the
-    /// pass was made for; [`Error::Device`] when no frame was recorded. Nothing is recorded then.
+    /// pass was made for; [`Error::Device`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, effect: &Effect, target: usize, depth: &HostDepth) -> Result<()> {
+        effect.context().usable()?;
         let count = self.framebuffers.len();
         let Some(framebuffer) = self.framebuffers.get(target) else {
             return Err(Error::parameter("target", target, format!("below the {count} targets")));

@@ -1,9 +1,9 @@
 //! The effect itself: prepared beside the host's frames, then a frame with one call.
 
 use super::preparation::{prepare, Guides, Motion, Prepared};
-use super::recordings::{recordings, Desk};
-use super::{EffectDesc, Progress};
-use crate::gpu::{Context, Image, Recorder};
+use super::recordings::{recordings, Desk, Recordings};
+use super::{EffectDesc, MemoryNeeds, Progress};
+use crate::gpu::{measuring, Context, Image, Recorder};
 use crate::scene::{Camera, Mesh, Moment};
 use crate::technique::aligned::{screen_displacements, AlignedFrame};
 use crate::technique::dependent::Carry;
@@ -30,19 +30,17 @@ pub struct Effect {
 
 enum State {
     Preparing(Desk, Option<JoinHandle<Result<Prepared>>>),
-    Ready(Prepared),
+    Ready(Box<Prepared>),
     /// With what was told of it.
     Failed(String),
 }
 
-/// A frame, as the host wants it.
+/// A frame, as the host wants it. Where camera and objects were in the frame before the effect remembers; a host may
+/// shift the origin of its world in between, as long as camera and poses move with it.
 #[derive(Clone, Copy)]
 pub struct EffectFrame<'a> {
     /// Camera, lights and poses.
     pub moment: &'a Moment,
-    /// Camera and poses of the frame that was recorded last, if they are not what was given then: a host that has
-    /// shifted the origin of its world since says here how that frame lies in the new one.
-    pub previous: Option<&'a Moment>,
     /// The frame has nothing to do with the one before: a cut, or a jump of the camera.
     pub reset: bool,
     /// The seed of what is synthesised for this frame. The same in all frames is what a sequence wants.
@@ -54,7 +52,7 @@ pub struct EffectFrame<'a> {
 impl<'a> EffectFrame<'a> {
     /// A painted frame that goes on from the last one.
     pub fn next(moment: &'a Moment) -> Self {
-        EffectFrame { moment, previous: None, reset: false, seed: 1, show: Show::Painted }
+        EffectFrame { moment, reset: false, seed: 1, show: Show::Painted }
     }
 }
 
@@ -63,15 +61,9 @@ impl Effect {
     ///
     /// # Errors
     /// Those of [`EffectDesc::check`]; [`Error::Parameter`] for a picture that is larger than the device's images;
-    /// [`Error::Io`] when the system has no thread to give.
+    /// [`Error::Io`] when the system has no thread to give; [`Error::DeviceLost`].
     pub fn new(context: &Context, desc: EffectDesc) -> Result<Self> {
-        desc.check()?;
-        let (width, height) = desc.size_px;
-        let most = context.caps().max_image_2d_px;
-        if width.max(height) > most {
-            let allowed = format!("{most} pixels a side or less on this device");
-            return Err(Error::parameter("size_px", format!("{width}x{height}"), allowed));
-        }
+        Self::check(context, &desc)?;
         let (mesh, size_px) = (desc.mesh.clone(), desc.size_px);
         let (recordings, desk) = recordings();
         let on_thread = context.clone();
@@ -83,21 +75,56 @@ impl Effect {
         Ok(Effect { context: context.clone(), mesh, size_px, state, last: None, frames: 0 })
     }
 
+    /// How much GPU memory an effect takes, without making anything of it but, for a moment, empty buffers and images
+    /// whose size the driver tells. The host's part of the preparation runs, on the calling thread.
+    ///
+    /// It is what [`Context::allocated_bytes`] grows by, to the byte, but for view-dependent painting: how many textures
+    /// that needs is only known when the views were looked through. There it is an estimate for three textures to a view,
+    /// and no fewer than 48, which few meshes exceed. Blocks that memory is taken in come on top, without [`crate::gpu::HostDevice::memory`].
+    ///
+    /// # Errors
+    /// As [`Effect::new`], and what preparing would fail with for the same reasons: [`Error::Memory`] when the budget
+    /// does not allow it.
+    pub fn memory(context: &Context, desc: &EffectDesc) -> Result<MemoryNeeds> {
+        Self::check(context, desc)?;
+        let (measuring, measured) = measuring(context)?;
+        let prepared = prepare(&measuring, desc, &Recordings::to_nobody(&measuring))?;
+        let frame = measuring.frame();
+        measuring.advance(frame + 1, frame);
+        let persistent_bytes = measuring.allocated_bytes();
+        drop(prepared);
+        Ok(MemoryNeeds { persistent_bytes, preparation_bytes: measured.most_bytes(), frame_bytes: 0 })
+    }
+
+    fn check(context: &Context, desc: &EffectDesc) -> Result<()> {
+        context.usable()?;
+        desc.check()?;
+        let (width, height) = desc.size_px;
+        let most = context.caps().max_image_2d_px;
+        if width.max(height) > most {
+            let allowed = format!("{most} pixels a side or less on this device");
+            return Err(Error::parameter("size_px", format!("{width}x{height}"), allowed));
+        }
+        Ok(())
+    }
+
     /// Records the next piece of the preparation, if one is due, and tells how far it is. To be called once a frame, or
     /// more often, until it is ready; each piece is no longer than [`EffectDesc::piece`] says. Some pieces wait for
     /// [`Context::advance`] to say that the frame of an earlier one is safe.
     ///
     /// # Errors
-    /// What went wrong in preparing: once as it was, then as [`Error::Device`] with its words.
+    /// What went wrong in preparing: once as it was, then as [`Error::Device`] with its words. [`Error::DeviceLost`].
     pub fn prepare(&mut self, recorder: &mut Recorder<'_>) -> Result<Progress> {
+        self.context.usable()?;
+        let mut recorded = false;
         if let State::Preparing(desk, thread) = &mut self.state {
-            desk.step(&self.context, recorder);
+            recorded = desk.step(&self.context, recorder);
             if let Some(thread) = thread.take_if(|thread| thread.is_finished()) {
                 let result = thread.join().unwrap_or_else(|_| {
                     Err(Error::Device("the preparing thread panicked: this is a fault in impasto".to_owned()))
                 });
                 match result {
-                    Ok(prepared) => self.state = State::Ready(prepared),
+                    Ok(prepared) => self.state = State::Ready(Box::new(prepared)),
                     Err(error) => {
                         self.state = State::Failed(error.to_string());
                         return Err(error);
@@ -108,15 +135,15 @@ impl Effect {
         if let State::Failed(reason) = &self.state {
             return Err(Error::Device(format!("the effect could not be prepared: {reason}")));
         }
-        Ok(self.progress())
+        Ok(Progress { recorded, ..self.progress() })
     }
 
     /// How far the preparation is.
     pub fn progress(&self) -> Progress {
         match &self.state {
             State::Preparing(desk, _) => Progress { ready: false, ..desk.progress() },
-            State::Ready(_) => Progress { done: 1.0, step: "ready", ready: true },
-            State::Failed(_) => Progress { done: 0.0, step: "failed", ready: false },
+            State::Ready(_) => Progress { done: 1.0, step: "ready", ready: true, recorded: false },
+            State::Failed(_) => Progress { done: 0.0, step: "failed", ready: false, recorded: false },
         }
     }
 
@@ -127,20 +154,16 @@ impl Effect {
     ///
     /// # Errors
     /// [`Error::Device`] before the preparation is over, [`Error::Parameter`] when a camera has no projection for the
-    /// picture's shape; nothing is recorded then.
+    /// picture's shape, [`Error::DeviceLost`]; nothing is recorded then.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, frame: &EffectFrame<'_>) -> Result<()> {
+        self.context.usable()?;
         let State::Ready(prepared) = &mut self.state else {
             return Err(Error::Device("the effect is not ready: its preparation is not over".to_owned()));
         };
         let (now, size) = (frame.moment, self.size_px);
-        let aspect = size.0 as f32 / size.1 as f32;
-        now.camera.projection(aspect)?;
+        now.camera.projection(size.0 as f32 / size.1 as f32)?;
         let before = if frame.reset { None } else { self.last.as_ref() };
-        let before = before.map(|last| frame.previous.unwrap_or(last));
-        if let Some(before) = before {
-            before.camera.projection(aspect)?;
-        }
-        match prepared {
+        match &mut **prepared {
             Prepared::Object(technique, range) => technique.record(recorder, now, *range, frame.show)?,
             Prepared::Image(guides, motion, technique) => {
                 guides.record(recorder, now)?;

@@ -219,4 +219,17 @@ pub struct Progress {
     pub step: &'static str,
     /// Frames can be recorded.
     pub ready: bool,
+    /// Something was recorded by the call that answers so, and has to be submitted.
+    pub recorded: bool,
+}
+
+/// How much GPU memory an effect takes, bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MemoryNeeds {
+    /// For as long as it lives, once it is prepared.
+    pub persistent_bytes: u64,
+    /// The most there is at a time while it is prepared, the persistent part among it.
+    pub preparation_bytes: u64,
+    /// For each frame in flight: nothing.
+    pub frame_bytes: u64,
 }

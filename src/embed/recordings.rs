@@ -20,8 +20,14 @@ struct Piece {
 
 /// The preparing thread's end.
 pub(super) struct Recordings {
-    pieces: Sender<Piece>,
+    to: To,
     progress: Arc<Mutex<Progress>>,
+}
+
+enum To {
+    Desk(Sender<Piece>),
+    /// Nothing is recorded; what pieces hold is let go of as if it had been, on this context.
+    Nobody(Context),
 }
 
 /// The host's end.
@@ -35,12 +41,23 @@ pub(super) struct Desk {
 /// Both ends.
 pub(super) fn recordings() -> (Recordings, Desk) {
     let (to_desk, pieces) = channel();
-    let progress = Arc::new(Mutex::new(Progress { done: 0.0, step: "waiting", ready: false }));
+    let progress = Arc::new(Mutex::new(Progress { done: 0.0, step: "waiting", ready: false, recorded: false }));
     let desk = Desk { pieces, running: Vec::new(), progress: progress.clone() };
-    (Recordings { pieces: to_desk, progress }, desk)
+    (Recordings { to: To::Desk(to_desk), progress }, desk)
 }
 
 impl Recordings {
+    /// One end without the other, for a measuring context.
+    pub fn to_nobody(context: &Context) -> Self {
+        let progress = Arc::new(Mutex::new(Progress { done: 0.0, step: "measuring", ready: false, recorded: false }));
+        Recordings { to: To::Nobody(context.clone()), progress }
+    }
+
+    /// Whether nothing is recorded, and so nothing can be read back.
+    pub fn is_to_nobody(&self) -> bool {
+        matches!(self.to, To::Nobody(_))
+    }
+
     /// Has something recorded, and returns when it is.
     ///
     /// # Errors
@@ -58,10 +75,20 @@ impl Recordings {
     }
 
     fn hand_over(&self, record: Record, runs: bool) -> Result<()> {
-        let given_up = |_| Error::Device("the preparation was given up".to_owned());
-        let (done, answer) = channel();
-        self.pieces.send(Piece { record, runs, done }).map_err(|_| given_up(std::sync::mpsc::RecvError))?;
-        answer.recv().map_err(given_up)?
+        let given_up = || Error::Device("the preparation was given up".to_owned());
+        match &self.to {
+            To::Desk(pieces) => {
+                let (done, answer) = channel();
+                pieces.send(Piece { record, runs, done }).map_err(|_| given_up())?;
+                answer.recv().map_err(|_| given_up())?
+            }
+            To::Nobody(context) => {
+                drop(record);
+                let frame = context.frame();
+                context.advance(frame + 1, frame);
+                Ok(())
+            }
+        }
     }
 
     /// Tells how far it is: `done` of 1.
@@ -73,15 +100,16 @@ impl Recordings {
 }
 
 impl Desk {
-    /// Records the next piece, if there is one.
-    pub fn step(&mut self, context: &Context, recorder: &mut Recorder<'_>) {
+    /// Records the next piece, if there is one, and tells whether there was.
+    pub fn step(&mut self, context: &Context, recorder: &mut Recorder<'_>) -> bool {
         self.release(context);
-        let Ok(piece) = self.pieces.try_recv() else { return };
+        let Ok(piece) = self.pieces.try_recv() else { return false };
         match (piece.record)(recorder) {
             Ok(()) if piece.runs => self.running.push((context.frame(), piece.done)),
             // A thread that is gone does not wait for an answer.
             result => drop(piece.done.send(result)),
         }
+        true
     }
 
     /// Tells the thread what the GPU has run.

@@ -145,6 +145,12 @@ impl ResourceState {
         ResourceState { write_stages: stages, write_access: access, layout, ..Self::fresh() }
     }
 
+    /// As [`ResourceState::from_host`], for a use that the table knows: stages, accesses and layout of `access`.
+    pub fn of(access: Access) -> Self {
+        let info = access.info();
+        Self::from_host(info.stages, info.access, info.layout)
+    }
+
     /// The layout that an image lies in after all that was recorded.
     pub fn layout(&self) -> vk::ImageLayout {
         self.layout
@@ -291,6 +297,7 @@ mod tests {
         let mut state = ResourceState::fresh();
         state.transition(Access::ColorAttachment, true);
         let sampled = ResourceState::from_host(S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL);
+        assert_eq!(ResourceState::of(Access::FragmentSampled), sampled);
         let handed = state.hand_over(sampled);
         assert_eq!((handed.src_stages, handed.dst_stages), (S::COLOR_ATTACHMENT_OUTPUT, S::FRAGMENT_SHADER));
         assert!(handed.src_access.contains(A::COLOR_ATTACHMENT_WRITE));

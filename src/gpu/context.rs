@@ -4,16 +4,19 @@
 //! when the GPU is known to be done with it: the context counts *frames*, an object dropped during frame n is destroyed
 //! once [`Context::advance`] says that frame n is safe.
 
+use super::allocation::{HostMemory, Memory};
 use super::caps::{describe, offers_integer_dot_product, Caps, DeviceChoice, DeviceInfo};
 use super::memory::Garbage;
 use super::pipeline::PipelineCacheFile;
+use super::requirements::requirements;
 use super::validation;
 use crate::{Error, Result};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
 /// How grave a message to the log is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +27,9 @@ pub enum LogLevel {
     Warning,
 }
 
-/// Where messages go; may be called from any thread. The library itself prints nothing.
+/// Where messages go: what could not be answered with an error, as from a destructor, and that a device was lost. The
+/// library itself prints nothing. May be called from any thread, also while another call of it has not returned, and
+/// from within any call of the library; it must not panic, nor call the library.
 pub type LogCallback = Arc<dyn Fn(LogLevel, &str) + Send + Sync>;
 
 /// How to make a [`Context`] with a device of its own.
@@ -61,9 +66,34 @@ pub struct HostDevice {
     pub debug_utils: bool,
     /// Bytes of GPU memory that the context may take; `None`: 4 GiB.
     pub memory_budget: Option<u64>,
+    /// Where messages go; `None`: nowhere.
+    pub log: Option<LogCallback>,
+    /// Where all memory comes from; `None`: from an allocator of our own, in blocks of 256 MiB and of 64 MiB.
+    pub memory: Option<Arc<dyn HostMemory>>,
 }
 
 impl HostDevice {
+    /// A device of which no more is told than what must be: no feature is enabled, nothing is named or logged.
+    pub fn new(
+        instance: ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: ash::Device,
+        queue_family: u32,
+    ) -> Self {
+        HostDevice {
+            instance,
+            physical_device,
+            device,
+            queue_family,
+            enabled_features: vk::PhysicalDeviceFeatures::default(),
+            pipeline_cache: vk::PipelineCache::null(),
+            debug_utils: false,
+            memory_budget: None,
+            log: None,
+            memory: None,
+        }
+    }
+
     /// Loads the function tables from raw handles, as a host that does not use ash has them.
     ///
     /// # Safety
@@ -82,16 +112,7 @@ impl HostDevice {
             let device = ash::Device::load(instance.fp_v1_0(), device);
             (instance, device)
         };
-        HostDevice {
-            instance,
-            physical_device,
-            device,
-            queue_family,
-            enabled_features: vk::PhysicalDeviceFeatures::default(),
-            pipeline_cache: vk::PipelineCache::null(),
-            debug_utils: false,
-            memory_budget: None,
-        }
+        Self::new(instance, physical_device, device, queue_family)
     }
 }
 
@@ -206,9 +227,12 @@ fn queue_family(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Optio
     families.iter().position(|f| f.queue_flags.contains(both)).map(|i| i as u32)
 }
 
-/// Turns a Vulkan result into our error, naming the call.
+/// Turns a Vulkan result into our error, naming the call. Where there is a context it has to know: `Context::failed`.
 pub(crate) fn vulkan(call: &'static str) -> impl Fn(vk::Result) -> Error {
-    move |result| Error::Vulkan { call, result }
+    move |result| match result {
+        vk::Result::ERROR_DEVICE_LOST => Error::DeviceLost,
+        result => Error::Vulkan { call, result },
+    }
 }
 
 /// A device to work with; cheap to clone, all clones are the same context.
@@ -223,6 +247,7 @@ pub(crate) struct Inner {
     loader: Option<Loader>,
     pub instance: ash::Instance,
     pub device: ash::Device,
+    physical_device: vk::PhysicalDevice,
     pub queue_family: u32,
     /// Null on a borrowed device: there the host submits.
     pub queue: vk::Queue,
@@ -232,13 +257,16 @@ pub(crate) struct Inner {
     pub pipeline_cache: vk::PipelineCache,
     cache_file: Option<PipelineCacheFile>,
     pub debug_utils: Option<ash::ext::debug_utils::Device>,
-    pub allocator: Mutex<Option<Allocator>>,
-    pub allocated: AtomicU64,
+    pub memory: Memory,
     pub budget: u64,
+    compiling_ns: AtomicU64,
     graveyard: Mutex<Vec<(u64, Garbage)>>,
     frame: AtomicU64,
     safe_frame: AtomicU64,
     next_id: AtomicU64,
+    log: Option<LogCallback>,
+    /// The device is lost; nothing is asked of it any more.
+    lost: AtomicBool,
     /// Held by a runner from recording to the end of its wait: the queue may be used by one thread at a time.
     pub running: Mutex<()>,
 }
@@ -258,7 +286,8 @@ impl Context {
             Ok((device, physical, family, info)) => {
                 // SAFETY: the family was asked for with one queue.
                 let queue = unsafe { device.get_device_queue(family, 0) };
-                let made = Inner::new(&loader.instance, physical, device.clone(), family, info, options.memory_budget);
+                let made =
+                    Inner::new(&loader.instance, physical, device.clone(), family, info, options.memory_budget, None);
                 let mut inner = match made {
                     Ok(inner) => inner,
                     Err(error) => {
@@ -269,6 +298,7 @@ impl Context {
                     }
                 };
                 inner.queue = queue;
+                inner.log = options.log.clone();
                 inner.caps.integer_dot_product = offers_integer_dot_product(&loader.instance, physical);
                 if loader.debug_utils {
                     inner.debug_utils = Some(ash::ext::debug_utils::Device::new(&inner.instance, &inner.device));
@@ -297,6 +327,8 @@ impl Context {
         let missing = || Error::Device(format!("{} has no queue that draws and computes", picked.name));
         let physical = devices.iter().find(|(_, info)| *info == picked).map(|(p, _)| *p).ok_or_else(missing)?;
         let family = queue_family(&loader.instance, physical).ok_or_else(missing)?;
+        // SAFETY: the instance is live and of version 1.1, and the device one of its.
+        unsafe { requirements().check(&loader.instance, physical, family) }?;
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
         // The one thing that is turned on where it is offered; no stage needs it.
@@ -320,23 +352,41 @@ impl Context {
     /// clone of the context is dropped, the GPU must be done with all that was recorded through it.
     ///
     /// # Errors
-    /// [`Error::Device`] when the device is older than Vulkan 1.1.
+    /// [`Error::Device`] when the device or the queue family lacks something of [`requirements`].
     pub unsafe fn from_host(host: HostDevice) -> Result<Self> {
+        // SAFETY: the caller promises live handles that belong together.
+        unsafe { requirements().check(&host.instance, host.physical_device, host.queue_family) }?;
         let info = describe(&host.instance, host.physical_device, 0);
-        if info.api_version < super::API_VERSION {
-            return Err(Error::Device(format!(
-                "{} offers Vulkan {}, 1.1 is needed",
-                info.name,
-                info.api_version_text()
-            )));
-        }
         let debug = host.debug_utils.then(|| ash::ext::debug_utils::Device::new(&host.instance, &host.device));
-        let mut inner =
-            Inner::new(&host.instance, host.physical_device, host.device, host.queue_family, info, host.memory_budget)?;
+        let mut inner = Inner::new(
+            &host.instance,
+            host.physical_device,
+            host.device,
+            host.queue_family,
+            info,
+            host.memory_budget,
+            host.memory,
+        )?;
         inner.enabled_features = host.enabled_features;
         inner.pipeline_cache = host.pipeline_cache;
         inner.debug_utils = debug;
+        inner.log = host.log;
         Ok(Context { inner: Arc::new(inner) })
+    }
+
+    /// A context on the same device by another table of its functions, and with other memory.
+    pub(crate) fn on_other_device(&self, device: ash::Device, memory: Arc<dyn HostMemory>) -> Result<Self> {
+        let inner = &self.inner;
+        let made = Inner::new(
+            &inner.instance,
+            inner.physical_device,
+            device,
+            inner.queue_family,
+            inner.info.clone(),
+            Some(inner.budget),
+            Some(memory),
+        );
+        made.map(|inner| Context { inner: Arc::new(inner) })
     }
 
     /// Which device this is.
@@ -356,7 +406,21 @@ impl Context {
 
     /// Bytes of GPU memory that the context's objects take now.
     pub fn allocated_bytes(&self) -> u64 {
-        self.inner.allocated.load(Ordering::Relaxed)
+        self.inner.memory.allocated_bytes()
+    }
+
+    /// How long the driver has taken to make the context's pipelines so far. Some drivers put off part of the compilation
+    /// to a pipeline's first use, which is not in it.
+    pub fn compile_time(&self) -> Duration {
+        Duration::from_nanos(self.inner.compiling_ns.load(Ordering::Relaxed))
+    }
+
+    /// Makes a pipeline, and adds its time to [`Context::compile_time`].
+    pub(crate) fn compile<T>(&self, make: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let made = make();
+        self.inner.compiling_ns.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        made
     }
 
     /// Tells where the GPU is: from here on objects belong to `current_frame`, and everything recorded in frames up to
@@ -369,6 +433,55 @@ impl Context {
         *graveyard = kept;
         drop(graveyard);
         self.inner.destroy(safe);
+    }
+
+    /// Takes note that the device is lost, as a host learns from its own calls (`VK_ERROR_DEVICE_LOST`); what the
+    /// library's calls answer it notes itself. From here on whatever would call Vulkan fails with
+    /// [`Error::DeviceLost`]. A lost device has nothing in flight: what was dropped before is destroyed now, and what is
+    /// dropped later at once, without a wait.
+    pub fn device_lost(&self) {
+        if !self.inner.lost.swap(true, Ordering::Relaxed) {
+            self.log(LogLevel::Error, &format!("{}: {}", self.inner.info.name, Error::DeviceLost));
+        }
+        let garbage = std::mem::take(&mut *lock(&self.inner.graveyard));
+        self.inner.destroy(garbage);
+    }
+
+    /// Whether the device is known to be lost.
+    pub fn is_device_lost(&self) -> bool {
+        self.inner.lost.load(Ordering::Relaxed)
+    }
+
+    /// The device for a call that may fail.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`] when the device is lost.
+    pub(crate) fn usable(&self) -> Result<&ash::Device> {
+        match self.is_device_lost() {
+            true => Err(Error::DeviceLost),
+            false => Ok(self.device()),
+        }
+    }
+
+    /// Turns what a Vulkan call answered into our error, and takes note when it is that the device is lost.
+    pub(crate) fn failed(&self, call: &'static str) -> impl Fn(vk::Result) -> Error + '_ {
+        move |result| {
+            if result == vk::Result::ERROR_DEVICE_LOST {
+                self.device_lost();
+            }
+            vulkan(call)(result)
+        }
+    }
+
+    /// Waits until nothing is in flight on a device of our own; on a lost one nothing is. Its errors have no other way
+    /// than the log, as it is for destructors.
+    pub(crate) fn wait_idle(&self) {
+        self.inner.wait_idle();
+    }
+
+    /// Tells the host something that no error can carry.
+    pub(crate) fn log(&self, level: LogLevel, text: &str) {
+        self.inner.log(level, text);
     }
 
     /// The current frame's number.
@@ -389,9 +502,13 @@ impl Context {
         &self.inner.device
     }
 
-    /// Hands over something to be destroyed when the frame that is recorded now is safe.
+    /// Hands over something to be destroyed when the frame that is recorded now is safe: at once on a lost device.
     pub(crate) fn bury(&self, garbage: Garbage) {
-        lock(&self.inner.graveyard).push((self.frame(), garbage));
+        if self.is_device_lost() {
+            self.inner.destroy(vec![(self.frame(), garbage)]);
+        } else {
+            lock(&self.inner.graveyard).push((self.frame(), garbage));
+        }
     }
 
     pub(crate) fn next_id(&self) -> u64 {
@@ -414,6 +531,13 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
+/// Blocks of memory that objects are placed in: small at first, for a host that has better use for it.
+fn block_sizes() -> gpu_allocator::AllocationSizes {
+    gpu_allocator::AllocationSizes::new(16 << 20, 4 << 20)
+        .with_max_device_memblock_size(256 << 20)
+        .with_max_host_memblock_size(64 << 20)
+}
+
 impl Inner {
     fn new(
         instance: &ash::Instance,
@@ -422,21 +546,28 @@ impl Inner {
         queue_family: u32,
         info: DeviceInfo,
         budget: Option<u64>,
+        host_memory: Option<Arc<dyn HostMemory>>,
     ) -> Result<Self> {
         let caps = Caps::query(instance, physical, queue_family);
-        let allocator = Allocator::new(&AllocatorCreateDesc {
-            instance: instance.clone(),
-            device: device.clone(),
-            physical_device: physical,
-            debug_settings: Default::default(),
-            buffer_device_address: false,
-            allocation_sizes: gpu_allocator::AllocationSizes::default(),
-        })
-        .map_err(|e| Error::Device(format!("{}: no memory allocator: {e}", info.name)))?;
+        let memory = match host_memory {
+            Some(memory) => Memory::of_host(memory),
+            None => Memory::own(
+                Allocator::new(&AllocatorCreateDesc {
+                    instance: instance.clone(),
+                    device: device.clone(),
+                    physical_device: physical,
+                    debug_settings: Default::default(),
+                    buffer_device_address: false,
+                    allocation_sizes: block_sizes(),
+                })
+                .map_err(|e| Error::Device(format!("{}: no memory allocator: {e}", info.name)))?,
+            ),
+        };
         Ok(Inner {
             loader: None,
             instance: instance.clone(),
             device,
+            physical_device: physical,
             queue_family,
             queue: vk::Queue::null(),
             info,
@@ -445,23 +576,38 @@ impl Inner {
             pipeline_cache: vk::PipelineCache::null(),
             cache_file: None,
             debug_utils: None,
-            allocator: Mutex::new(Some(allocator)),
-            allocated: AtomicU64::new(0),
+            memory,
+            compiling_ns: AtomicU64::new(0),
             budget: budget.unwrap_or(DEFAULT_BUDGET),
             graveyard: Mutex::new(Vec::new()),
             frame: AtomicU64::new(1),
             safe_frame: AtomicU64::new(0),
             next_id: AtomicU64::new(1),
+            log: None,
+            lost: AtomicBool::new(false),
             running: Mutex::new(()),
         })
     }
 
+    fn log(&self, level: LogLevel, text: &str) {
+        if let Some(log) = &self.log {
+            log(level, text);
+        }
+    }
+
+    fn wait_idle(&self) {
+        if self.lost.load(Ordering::Relaxed) {
+            return;
+        }
+        // SAFETY: the device is ours, and callers keep other threads off its queue.
+        if let Err(result) = unsafe { self.device.device_wait_idle() } {
+            self.log(LogLevel::Error, &vulkan("vkDeviceWaitIdle")(result).to_string());
+        }
+    }
+
     fn destroy(&self, garbage: Vec<(u64, Garbage)>) {
-        let mut allocator = lock(&self.allocator);
-        if let Some(allocator) = allocator.as_mut() {
-            for (_, item) in garbage {
-                item.destroy(&self.device, allocator, &self.allocated);
-            }
+        for (_, item) in garbage {
+            item.destroy(&self.device, &self.memory);
         }
     }
 }
@@ -469,15 +615,13 @@ impl Inner {
 impl Drop for Inner {
     fn drop(&mut self) {
         if self.loader.is_some() {
-            // SAFETY: the device is ours. A lost device has nothing in flight either.
-            let _ = unsafe { self.device.device_wait_idle() };
+            self.wait_idle();
         }
         let garbage = std::mem::take(&mut *lock(&self.graveyard));
         self.destroy(garbage);
-        // The allocator frees its memory blocks while the device still lives.
-        drop(lock(&self.allocator).take());
+        self.memory.close();
         if let Some(loader) = self.loader.take() {
-            if let Some(file) = &self.cache_file {
+            if let Some(file) = self.cache_file.as_ref().filter(|_| !*self.lost.get_mut()) {
                 file.save(&self.device, self.pipeline_cache);
             }
             // SAFETY: everything made from the device is gone: the last clone of the context is being dropped, and

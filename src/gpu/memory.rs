@@ -1,12 +1,10 @@
 //! Buffers and images: named, counted against the context's budget, freed only when the GPU is done with them.
 
 use super::access::ResourceState;
-use super::context::{lock, vulkan, Context};
+use super::allocation::{allocate, check_budget, Allocation, Memory, MemoryKind};
+use super::context::{lock, Context};
 use crate::{Error, Result};
 use ash::vk;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator};
-use gpu_allocator::MemoryLocation;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// A Vulkan object on its way out.
@@ -22,12 +20,10 @@ pub(crate) enum Garbage {
 }
 
 impl Garbage {
-    pub fn destroy(self, device: &ash::Device, allocator: &mut Allocator, allocated: &AtomicU64) {
-        let mut free = |allocation: Option<Allocation>| {
+    pub fn destroy(self, device: &ash::Device, memory: &Memory) {
+        let free = |allocation: Option<Allocation>| {
             if let Some(allocation) = allocation {
-                allocated.fetch_sub(allocation.size(), Ordering::Relaxed);
-                // Freeing only fails for a foreign allocation, and these are all the allocator's own.
-                let _ = allocator.free(allocation);
+                memory.free(allocation);
             }
         };
         // SAFETY: the context destroys garbage only when the GPU is done with the frame in which it was dropped, and
@@ -97,7 +93,7 @@ impl Buffer {
     /// Makes an upload buffer that holds `data`.
     pub fn upload(context: &Context, name: &str, data: &[u8]) -> Result<Self> {
         let mut buffer = BufferInner::new(context, name, BufferKind::Upload, data.len() as u64)?;
-        let memory = buffer.allocation.as_mut().and_then(Allocation::mapped_slice_mut);
+        let memory = buffer.allocation.as_mut().and_then(Allocation::mapped_mut);
         let Some(memory) = memory else { return Err(Error::Device(format!("{name}: upload memory is not mapped"))) };
         memory[..data.len()].copy_from_slice(data);
         Ok(Buffer(Arc::new(buffer)))
@@ -105,7 +101,7 @@ impl Buffer {
 
     /// What the GPU wrote to a readback buffer; to be called after the submission is known to be done.
     pub fn mapped(&self) -> &[u8] {
-        let all = self.0.allocation.as_ref().and_then(Allocation::mapped_slice).unwrap_or_default();
+        let all = self.0.allocation.as_ref().and_then(Allocation::mapped).unwrap_or_default();
         &all[..all.len().min(self.0.bytes as usize)]
     }
 
@@ -130,13 +126,13 @@ impl Buffer {
 impl BufferInner {
     fn new(context: &Context, name: &str, kind: BufferKind, bytes: u64) -> Result<Self> {
         use vk::BufferUsageFlags as U;
-        let (usage, location) = match kind {
+        let (usage, memory) = match kind {
             BufferKind::Storage => {
-                (U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryLocation::GpuOnly)
+                (U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_SRC | U::TRANSFER_DST, MemoryKind::Device)
             }
-            BufferKind::Geometry => (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryLocation::GpuOnly),
-            BufferKind::Upload => (U::TRANSFER_SRC, MemoryLocation::CpuToGpu),
-            BufferKind::Readback => (U::TRANSFER_DST, MemoryLocation::GpuToCpu),
+            BufferKind::Geometry => (U::VERTEX_BUFFER | U::INDEX_BUFFER | U::TRANSFER_DST, MemoryKind::Device),
+            BufferKind::Upload => (U::TRANSFER_SRC, MemoryKind::Upload),
+            BufferKind::Readback => (U::TRANSFER_DST, MemoryKind::Readback),
         };
         let bytes = bytes.max(4);
         if kind == BufferKind::Storage && bytes > context.caps().max_storage_buffer_bytes {
@@ -148,11 +144,11 @@ impl BufferInner {
         }
         // Before Vulkan sees it: drivers need not take any size, and would not say what it was for.
         check_budget(context, name, bytes)?;
-        let device = context.device();
+        let device = context.usable()?;
         let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
         // SAFETY: a plain creation on a live device.
         let (handle, requirements) = unsafe {
-            let handle = device.create_buffer(&info, None).map_err(vulkan("vkCreateBuffer"))?;
+            let handle = device.create_buffer(&info, None).map_err(context.failed("vkCreateBuffer"))?;
             (handle, device.get_buffer_memory_requirements(handle))
         };
         // From here on dropping `buffer` frees what there is of it.
@@ -164,10 +160,10 @@ impl BufferInner {
             id: context.next_id(),
             state: Mutex::new(ResourceState::fresh()),
         };
-        let allocation = buffer.allocation.insert(allocate(context, name, requirements, location, true)?);
+        let allocation = buffer.allocation.insert(allocate(context, name, requirements, memory, false)?);
         // SAFETY: the memory was allocated for this buffer's requirements and is bound once.
         unsafe { device.bind_buffer_memory(handle, allocation.memory(), allocation.offset()) }
-            .map_err(vulkan("vkBindBufferMemory"))?;
+            .map_err(context.failed("vkBindBufferMemory"))?;
         context.name(handle, name);
         Ok(buffer)
     }
@@ -251,7 +247,7 @@ impl Image {
                 format!("1 to {limit} pixels a side on this device"),
             ));
         }
-        let device = context.device();
+        let device = context.usable()?;
         let (kind, view_kind) = match depth {
             1 => (vk::ImageType::TYPE_2D, vk::ImageViewType::TYPE_2D),
             _ => (vk::ImageType::TYPE_3D, vk::ImageViewType::TYPE_3D),
@@ -266,7 +262,7 @@ impl Image {
             .usage(desc.usage);
         // SAFETY: a plain creation on a live device.
         let (handle, requirements) = unsafe {
-            let handle = device.create_image(&info, None).map_err(vulkan("vkCreateImage"))?;
+            let handle = device.create_image(&info, None).map_err(context.failed("vkCreateImage"))?;
             (handle, device.get_image_memory_requirements(handle))
         };
         // From here on dropping `image` frees what there is of it.
@@ -280,18 +276,18 @@ impl Image {
             id: context.next_id(),
             state: Mutex::new(ResourceState::fresh()),
         };
-        let memory = allocate(context, name, requirements, MemoryLocation::GpuOnly, false)?;
+        let memory = allocate(context, name, requirements, MemoryKind::Device, true)?;
         let allocation = image.allocation.insert(memory);
         // SAFETY: the memory was allocated for this image's requirements and is bound once.
         unsafe { device.bind_image_memory(handle, allocation.memory(), allocation.offset()) }
-            .map_err(vulkan("vkBindImageMemory"))?;
+            .map_err(context.failed("vkBindImageMemory"))?;
         let view = vk::ImageViewCreateInfo::default()
             .image(handle)
             .view_type(view_kind)
             .format(desc.format)
             .subresource_range(whole_range(desc.format));
         // SAFETY: the image is live and bound.
-        image.view = unsafe { device.create_image_view(&view, None) }.map_err(vulkan("vkCreateImageView"))?;
+        image.view = unsafe { device.create_image_view(&view, None) }.map_err(context.failed("vkCreateImageView"))?;
         context.name(handle, name);
         Ok(Image(Arc::new(image)))
     }
@@ -484,7 +480,8 @@ impl Sampler {
             .address_mode_v(edges[1])
             .address_mode_w(edges[2]);
         // SAFETY: a plain creation on a live device.
-        let handle = unsafe { context.device().create_sampler(&info, None) }.map_err(vulkan("vkCreateSampler"))?;
+        let handle =
+            unsafe { context.usable()?.create_sampler(&info, None) }.map_err(context.failed("vkCreateSampler"))?;
         Ok(Sampler(Arc::new(SamplerInner { context: context.clone(), handle })))
     }
 
@@ -513,41 +510,4 @@ fn whole_range(format: vk::Format) -> vk::ImageSubresourceRange {
         base_array_layer: 0,
         layer_count: 1,
     }
-}
-
-fn check_budget(context: &Context, name: &str, bytes: u64) -> Result<()> {
-    let inner = context.inner();
-    let available = inner.budget.saturating_sub(inner.allocated.load(Ordering::Relaxed));
-    if bytes > available {
-        return Err(Error::Memory { what: name.to_owned(), needed: bytes, available });
-    }
-    Ok(())
-}
-
-fn allocate(
-    context: &Context,
-    name: &str,
-    requirements: vk::MemoryRequirements,
-    location: MemoryLocation,
-    linear: bool,
-) -> Result<Allocation> {
-    let inner = context.inner();
-    check_budget(context, name, requirements.size)?;
-    let mut allocator = lock(&inner.allocator);
-    let Some(allocator) = allocator.as_mut() else {
-        return Err(Error::Device("the context is being torn down".to_owned()));
-    };
-    let allocation = allocator
-        .allocate(&AllocationCreateDesc {
-            name,
-            requirements,
-            location,
-            linear,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-        })
-        .map_err(|e| {
-            Error::Device(format!("{name}: {} bytes of GPU memory could not be had: {e}", requirements.size))
-        })?;
-    inner.allocated.fetch_add(allocation.size(), Ordering::Relaxed);
-    Ok(allocation)
 }

@@ -3,26 +3,34 @@
 //! A [`Context`] owns a device or borrows a host's. On it stand [`Buffer`]s and [`Image`]s (freed only when the GPU
 //! is done with them), pipelines with their binding sets, and explicit render passes. A [`Recorder`] writes *passes*
 //! into a command buffer that it is given: each pass declares what it reads and writes ([`Access`]), and label, timer
-//! and barriers are derived from that in one place. Nothing here submits but the headless [`Runner`], which is just
-//! one more host.
+//! and barriers are derived from that in one place. Nothing here submits but the headless [`Runner`] and
+//! [`FrameLoop`], which are just two more hosts.
 
 mod access;
+mod allocation;
 mod caps;
 pub mod ceilings;
 mod context;
+mod frame_loop;
+mod measuring;
 mod memory;
 mod pipeline;
 mod recorder;
 mod render_pass;
+mod requirements;
 mod runner;
+mod submission;
 mod timing;
 mod upload;
 mod validation;
 
 pub use access::{Access, Barrier, ResourceState};
-pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, Uuid};
+pub use allocation::{HostAllocation, HostMemory, MemoryKind};
+pub use caps::{list_devices, Caps, DeviceChoice, DeviceInfo, DeviceKind, PciAddress, Uuid};
 pub(crate) use context::lock;
 pub use context::{Context, ContextOptions, HostDevice, LogCallback, LogLevel};
+pub use frame_loop::FrameLoop;
+pub(crate) use measuring::measuring;
 pub(crate) use memory::Sampler;
 pub use memory::{Buffer, BufferKind, Image, ImageDesc};
 pub use pipeline::{BindingKind, PipelineCacheFile, RasterShader, Shader};
@@ -31,6 +39,7 @@ pub use recorder::Recorder;
 pub(crate) use render_pass::{
     Attachment, Draw, Framebuffer, Geometry, RasterDesc, RasterPipeline, RenderPass, Role, VertexAttribute,
 };
+pub use requirements::{requirements, Format, Limits, Requirements};
 pub use runner::Runner;
 pub use timing::{PassTime, PassTimer};
 pub use upload::Uploads;

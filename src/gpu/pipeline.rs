@@ -96,7 +96,8 @@ pub(crate) fn set_layout(
         .collect();
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
     // SAFETY: a plain creation on a live device; `info` outlives the call.
-    unsafe { context.device().create_descriptor_set_layout(&info, None) }.map_err(vulkan("vkCreateDescriptorSetLayout"))
+    unsafe { context.usable()?.create_descriptor_set_layout(&info, None) }
+        .map_err(context.failed("vkCreateDescriptorSetLayout"))
 }
 
 /// Where the specialisation constants 0, 1, ... lie, 4 bytes each.
@@ -110,7 +111,7 @@ pub(crate) fn shader_module(context: &Context, name: &str, spirv: &[u8]) -> Resu
         .map_err(|e| Error::Device(format!("shader {name} is damaged: {e}")))?;
     let info = vk::ShaderModuleCreateInfo::default().code(&words);
     // SAFETY: the words are SPIR-V from our own compiler run; `info` outlives the call.
-    unsafe { context.device().create_shader_module(&info, None) }.map_err(vulkan("vkCreateShaderModule"))
+    unsafe { context.device().create_shader_module(&info, None) }.map_err(context.failed("vkCreateShaderModule"))
 }
 
 /// A compute shader ready to be dispatched. Clones are not offered: keep it where its stage lives.
@@ -158,7 +159,8 @@ impl ComputePipeline {
             if shader.push_bytes > 0 {
                 info = info.push_constant_ranges(&pushes);
             }
-            pipeline.layout = device.create_pipeline_layout(&info, None).map_err(vulkan("vkCreatePipelineLayout"))?;
+            pipeline.layout =
+                device.create_pipeline_layout(&info, None).map_err(context.failed("vkCreatePipelineLayout"))?;
             let module = shader_module(context, shader.name, shader.spirv)?;
             let stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
@@ -166,9 +168,10 @@ impl ComputePipeline {
                 .name(c"main")
                 .specialization_info(&specialization);
             let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(pipeline.layout)];
-            let made = device.create_compute_pipelines(context.inner().pipeline_cache, &info, None);
+            let cache = context.inner().pipeline_cache;
+            let made = context.compile(|| device.create_compute_pipelines(cache, &info, None));
             device.destroy_shader_module(module, None);
-            let pipelines = made.map_err(|(_, result)| vulkan("vkCreateComputePipelines")(result))?;
+            let pipelines = made.map_err(|(_, result)| context.failed("vkCreateComputePipelines")(result))?;
             pipeline.handle = pipelines.first().copied().unwrap_or_default();
         }
         context.name(pipeline.handle, shader.name);
@@ -253,7 +256,7 @@ impl BindingSet {
         if !fits {
             return Err(Error::Device(format!("the resources bound to {} do not fit its bindings", pipeline.name())));
         }
-        let device = context.device();
+        let device = context.usable()?;
         let sizes: Vec<_> = bindings
             .iter()
             .map(|kind| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: 1 })
@@ -268,10 +271,10 @@ impl BindingSet {
         // SAFETY: plain creations on a live device; the written resources are live and kept by `bound`.
         unsafe {
             let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
-            set.pool = device.create_descriptor_pool(&info, None).map_err(vulkan("vkCreateDescriptorPool"))?;
+            set.pool = device.create_descriptor_pool(&info, None).map_err(context.failed("vkCreateDescriptorPool"))?;
             let layouts = [pipeline.set_layout()];
             let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(set.pool).set_layouts(&layouts);
-            let sets = device.allocate_descriptor_sets(&info).map_err(vulkan("vkAllocateDescriptorSets"))?;
+            let sets = device.allocate_descriptor_sets(&info).map_err(context.failed("vkAllocateDescriptorSets"))?;
             set.set = sets.first().copied().unwrap_or_default();
             for (binding, (bound, kind)) in (0..).zip(bound.iter().zip(bindings)) {
                 let buffers;

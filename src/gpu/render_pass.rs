@@ -4,7 +4,7 @@
 //! by the recorder's barriers before the pass, so the render pass itself changes none.
 
 use super::access::Access;
-use super::context::{vulkan, Context};
+use super::context::Context;
 use super::memory::{Buffer, Garbage, Image};
 use super::pipeline::{
     set_layout, shader_module, specialization_entries, Bindable, BindingKind, BindingSet, RasterShader,
@@ -114,8 +114,8 @@ impl RenderPass {
         let subpasses = [subpass];
         let info = vk::RenderPassCreateInfo::default().attachments(&descriptions).subpasses(&subpasses);
         // SAFETY: a plain creation on a live device.
-        let handle =
-            unsafe { context.device().create_render_pass(&info, None) }.map_err(vulkan("vkCreateRenderPass"))?;
+        let handle = unsafe { context.usable()?.create_render_pass(&info, None) }
+            .map_err(context.failed("vkCreateRenderPass"))?;
         context.name(handle, name);
         Ok(RenderPass { context: context.clone(), handle, attachments: attachments.to_vec() })
     }
@@ -150,8 +150,8 @@ impl Framebuffer {
             .height(size[1])
             .layers(1);
         // SAFETY: the views are live and kept so by `images`.
-        let handle =
-            unsafe { context.device().create_framebuffer(&info, None) }.map_err(vulkan("vkCreateFramebuffer"))?;
+        let handle = unsafe { context.usable()?.create_framebuffer(&info, None) }
+            .map_err(context.failed("vkCreateFramebuffer"))?;
         Ok(Framebuffer {
             context: context.clone(),
             handle,
@@ -234,7 +234,7 @@ impl RasterPipeline {
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts).push_constant_ranges(&pushes);
         // SAFETY: a plain creation on a live device; `pipeline` frees it if a later call fails.
         pipeline.layout = unsafe { context.device().create_pipeline_layout(&info, None) }
-            .map_err(vulkan("vkCreatePipelineLayout"))?;
+            .map_err(context.failed("vkCreatePipelineLayout"))?;
         pipeline.handle = pipeline.build(pass, desc)?;
         context.name(pipeline.handle, desc.shader.name);
         Ok(pipeline)
@@ -314,12 +314,13 @@ impl RasterPipeline {
             .render_pass(pass.handle)];
         // SAFETY: every pointer in `info` outlives the call; the modules are not needed after it.
         let made = unsafe {
-            let made = device.create_graphics_pipelines(self.context.inner().pipeline_cache, &info, None);
+            let cache = self.context.inner().pipeline_cache;
+            let made = self.context.compile(|| device.create_graphics_pipelines(cache, &info, None));
             device.destroy_shader_module(vertex, None);
             device.destroy_shader_module(fragment, None);
             made
         };
-        let pipelines = made.map_err(|(_, result)| vulkan("vkCreateGraphicsPipelines")(result))?;
+        let pipelines = made.map_err(|(_, result)| self.context.failed("vkCreateGraphicsPipelines")(result))?;
         Ok(pipelines.first().copied().unwrap_or_default())
     }
 }

@@ -1,26 +1,19 @@
 //! The headless host: records, submits, waits, reads back. Uses the library as any host would.
 
-use super::context::{lock, vulkan, Context};
+use super::context::{lock, Context};
 use super::memory::{Buffer, BufferKind, Image};
 use super::recorder::Recorder;
-use super::timing::{PassTime, PassTimer};
+use super::submission::Submission;
+use super::timing::PassTime;
 use crate::{Error, Result};
-use ash::vk;
 
-/// How long a submission may run before a runner calls it stuck; far beyond any driver's own watchdog.
-const TIMEOUT_NS: u64 = 120_000_000_000;
 const TIMED_PASSES: u32 = 4096;
 
-/// Runs recordings on a device of our own, one at a time.
+/// Runs recordings on a device of our own, one at a time. A [`super::FrameLoop`] keeps several in flight.
 pub struct Runner {
     context: Context,
-    pool: vk::CommandPool,
-    commands: vk::CommandBuffer,
-    fence: vk::Fence,
-    timer: PassTimer,
+    submission: Submission,
     times: Vec<PassTime>,
-    /// A submission went wrong and may still be under way.
-    broken: bool,
 }
 
 impl Runner {
@@ -29,33 +22,8 @@ impl Runner {
     /// # Errors
     /// [`Error::Device`] for a borrowed device, where only the host may submit; [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context) -> Result<Self> {
-        if context.inner().queue == vk::Queue::null() {
-            return Err(Error::Device("a borrowed device is submitted to by its host, not by a runner".to_owned()));
-        }
-        let device = context.device();
-        let timer = PassTimer::new(context, TIMED_PASSES)?;
-        let info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(context.inner().queue_family)
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
-        // SAFETY: plain creations on a live device; `runner` frees what was made when a later call fails.
-        unsafe {
-            let pool = device.create_command_pool(&info, None).map_err(vulkan("vkCreateCommandPool"))?;
-            let mut runner = Runner {
-                context: context.clone(),
-                pool,
-                commands: vk::CommandBuffer::null(),
-                fence: vk::Fence::null(),
-                timer,
-                times: Vec::new(),
-                broken: false,
-            };
-            let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-            let buffers = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?;
-            runner.commands = buffers.first().copied().unwrap_or_default();
-            runner.fence =
-                device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(vulkan("vkCreateFence"))?;
-            Ok(runner)
-        }
+        let submission = Submission::new(context, TIMED_PASSES)?;
+        Ok(Runner { context: context.clone(), submission, times: Vec::new() })
     }
 
     /// Records with `record`, submits, and waits until the GPU is done.
@@ -64,35 +32,13 @@ impl Runner {
     ///
     /// # Errors
     /// Those of `record`; [`Error::Vulkan`] when a call fails or the work is stuck, after which the runner is of no
-    /// more use and answers [`Error::Device`].
+    /// more use and answers [`Error::Device`]; [`Error::DeviceLost`].
     pub fn run<T>(&mut self, record: impl FnOnce(&mut Recorder<'_>) -> Result<T>) -> Result<T> {
-        if self.broken {
-            return Err(Error::Device("an earlier submission failed or did not end".to_owned()));
-        }
         let context = self.context.clone();
         let _running = lock(&context.inner().running);
-        let device = context.device();
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the last submission was waited for, so the command buffer is free; it is ours alone.
-        let value = unsafe {
-            device.begin_command_buffer(self.commands, &begin).map_err(vulkan("vkBeginCommandBuffer"))?;
-            let mut recorder = Recorder::new(&self.context, self.commands, Some(&mut self.timer));
-            let value = record(&mut recorder);
-            device.end_command_buffer(self.commands).map_err(vulkan("vkEndCommandBuffer"))?;
-            value
-        };
-        let commands = [self.commands];
-        let submit = [vk::SubmitInfo::default().command_buffers(&commands)];
-        // Until all has gone well command buffer and fence may be in use.
-        self.broken = true;
-        // SAFETY: queue, command buffer and fence are ours and idle; `running` keeps other threads off the queue.
-        unsafe {
-            device.queue_submit(self.context.inner().queue, &submit, self.fence).map_err(vulkan("vkQueueSubmit"))?;
-            device.wait_for_fences(&[self.fence], true, TIMEOUT_NS).map_err(vulkan("vkWaitForFences"))?;
-            device.reset_fences(&[self.fence]).map_err(vulkan("vkResetFences"))?;
-        }
-        self.broken = false;
-        for time in self.timer.read()? {
+        let value = self.submission.submit(record)?;
+        let done = self.submission.wait()?.unwrap_or_default();
+        for time in self.submission.times()? {
             match self.times.iter_mut().find(|t| t.name == time.name) {
                 Some(sum) => {
                     sum.count += time.count;
@@ -101,7 +47,6 @@ impl Runner {
                 None => self.times.push(time),
             }
         }
-        let done = context.frame();
         context.advance(done + 1, done);
         value
     }
@@ -138,19 +83,5 @@ impl Runner {
             Ok(())
         })?;
         Ok(to.mapped().to_vec())
-    }
-}
-
-impl Drop for Runner {
-    fn drop(&mut self) {
-        let device = self.context.device();
-        // SAFETY: after the wait nothing of ours is in flight; the handles are ours and freed once. A wait that fails
-        // means that the device is lost, and then nothing runs either.
-        unsafe {
-            let _running = lock(&self.context.inner().running);
-            let _ = device.device_wait_idle();
-            device.destroy_fence(self.fence, None);
-            device.destroy_command_pool(self.pool, None);
-        }
     }
 }

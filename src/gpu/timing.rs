@@ -1,6 +1,6 @@
 //! Timestamps around passes.
 
-use super::context::{vulkan, Context};
+use super::context::Context;
 use super::memory::Garbage;
 use crate::Result;
 use ash::vk;
@@ -33,7 +33,8 @@ impl PassTimer {
             let info =
                 vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(capacity * 2);
             // SAFETY: a plain creation on a live device.
-            pool = unsafe { context.device().create_query_pool(&info, None) }.map_err(vulkan("vkCreateQueryPool"))?;
+            pool = unsafe { context.usable()?.create_query_pool(&info, None) }
+                .map_err(context.failed("vkCreateQueryPool"))?;
         }
         Ok(PassTimer { context: context.clone(), pool, capacity, names: Vec::with_capacity(capacity as usize) })
     }
@@ -78,9 +79,9 @@ impl PassTimer {
         let mut ticks = vec![0u64; self.names.len() * 2];
         // SAFETY: the pool is live and holds at least this many queries.
         unsafe {
-            self.context.device().get_query_pool_results(self.pool, 0, &mut ticks, vk::QueryResultFlags::TYPE_64)
+            self.context.usable()?.get_query_pool_results(self.pool, 0, &mut ticks, vk::QueryResultFlags::TYPE_64)
         }
-        .map_err(vulkan("vkGetQueryPoolResults"))?;
+        .map_err(self.context.failed("vkGetQueryPoolResults"))?;
         let caps = self.context.caps();
         let mask = if caps.timestamp_bits >= 64 { u64::MAX } else { (1 << caps.timestamp_bits) - 1 };
         for (name, pair) in self.names.iter().zip(ticks.chunks_exact(2)) {

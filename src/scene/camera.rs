@@ -75,9 +75,9 @@ impl Camera {
         })
     }
 
-    /// The camera of a host that has matrices: world space to view space, and view space to clip space with depth 0 to
-    /// 1. The view may look along -z or +z; y may point up or down in clip space; depth may be reversed; a far plane at
-    /// infinity is put at a million times the near one, and [`Camera::fit_depth`] brings both close to a model.
+    /// The camera of a host that has matrices: world space to view space, and view space to clip space, where depth is
+    /// from 0 to 1. The view may look along -z or +z; y may point up or down in clip space; depth may be reversed; a far
+    /// plane at infinity is put at a million times the near one, and [`Camera::fit_depth`] brings both close to a model.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a view that does not only turn and move, that is a mirror of the world, and for a

@@ -86,6 +86,27 @@ pub struct QuiltGuide {
     pub previous: Option<PreviousWeight>,
 }
 
+impl QuiltGuide {
+    /// A guide that is made on the host: `texels` of an output of `size` = (width, height) pixels, as
+    /// [`QuiltGuide::image`] has them, for paint number 1 and without a picture before.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when there are not as many texels as pixels; [`Error::Memory`] when the budget does not
+    /// allow it.
+    pub fn from_texels(
+        context: &Context,
+        uploads: &mut Uploads,
+        texels: &[u32],
+        size: (u32, u32),
+        window_px: u32,
+    ) -> Result<Self> {
+        let desc = ImageDesc::storage_2d(size.0, size.1, vk::Format::R32_UINT);
+        let image = Image::new(context, "guide", &desc)?;
+        uploads.image(context, &image, bytemuck::cast_slice(texels))?;
+        Ok(QuiltGuide { image, paint: 1, window_px, previous: None })
+    }
+}
+
 #[derive(Debug, Clone)]
 enum Step {
     /// Search for blocks `order[blocks]`, groups of positions `groups`.

@@ -88,6 +88,7 @@ static ImpastoStatus prepare(ImpastoEffect *effect) {
 
 static void nothing_is_allocated(void) {
     uint64_t bytes = 1;
+    host.frame++;
     OK(impasto_context_advance(context, host.frame + 1, host.frame));
     OK(impasto_context_allocated_bytes(context, &bytes));
     CHECK(bytes == 0);
@@ -97,6 +98,10 @@ static void no_device(void) {
     ImpastoHostDevice lent = host_lent(&host, vkGetInstanceProcAddr), other = lent;
     ImpastoContext *none = NULL;
     ImpastoRequirements needs = {0, 1, 2, 3, 4, 5};
+    OK(impasto_device_check(vkGetInstanceProcAddr, host.instance, host.physical, host.family));
+    REFUSED(DEVICE, impasto_device_check(vkGetInstanceProcAddr, host.instance, host.physical, 999), "999");
+    REFUSED(NULL_POINTER, impasto_device_check(NULL, host.instance, host.physical, 0), "is null");
+    REFUSED(NULL_POINTER, impasto_device_check(vkGetInstanceProcAddr, NULL, host.physical, 0), "is null");
     REFUSED(NULL_POINTER, impasto_requirements(NULL), "ImpastoRequirements is null");
     REFUSED(STRUCT_SIZE, impasto_requirements(&needs), "sizeof(ImpastoRequirements)");
     CHECK(needs.api_version == 1);
@@ -446,6 +451,44 @@ static void wrong_calls(void) {
     nothing_is_allocated();
 }
 
+static void on_log(void *user, uint32_t level, const char *text) {
+    CHECK(level == IMPASTO_LOG_LEVEL_ERROR && text[0]);
+    ++*(unsigned *)user;
+}
+
+/* A host that is told by its own calls that the device is lost, before and after the preparation. */
+static void device_lost(uint32_t ready) {
+    ImpastoEffectDesc desc = effect_desc(IMPASTO_TECHNIQUE_OBJECT);
+    ImpastoHostDevice lent = host_lent(&host, vkGetInstanceProcAddr);
+    ImpastoProgress progress = {.struct_size = sizeof progress};
+    ImpastoMoment moment = moment_of();
+    ImpastoFrame frame = frame_of(&moment);
+    ImpastoEffect *effect, *none = NULL;
+    VkCommandBuffer commands;
+    unsigned logged = 0;
+    uint64_t bytes = 1;
+    lent.log = on_log;
+    lent.log_user = &logged;
+    OK(impasto_context_create(&lent, &context));
+    OK(impasto_effect_create(context, &desc, &effect));
+    if (ready) {
+        OK(prepare(effect));
+    }
+    OK(impasto_context_device_lost(context));
+    CHECK(logged == 1);
+    commands = host_begin(&host);
+    REFUSED(DEVICE_LOST, impasto_effect_create(context, &desc, &none), "the GPU is lost");
+    REFUSED(DEVICE_LOST, impasto_effect_prepare(effect, commands, &progress), "the GPU is lost");
+    if (ready) {
+        REFUSED(DEVICE_LOST, impasto_effect_record(effect, commands, &frame), "the GPU is lost");
+    }
+    host_submit(&host);
+    OK(impasto_effect_destroy(effect));
+    OK(impasto_context_allocated_bytes(context, &bytes));
+    CHECK(bytes == 0 && none == NULL);
+    OK(impasto_context_destroy(context));
+}
+
 static void begin(PFN_vkGetInstanceProcAddr get_proc_addr, uint64_t budget) {
     ImpastoHostDevice lent = host_lent(&host, get_proc_addr);
     lent.memory_budget = budget;
@@ -539,6 +582,8 @@ int main(int count, char **arguments) {
         wrong_calls();
         OK(impasto_context_destroy(context));
         REFUSED(HANDLE, impasto_context_destroy(context), "the context is none: it was destroyed");
+        device_lost(0);
+        device_lost(1);
     } else {
         failing();
     }

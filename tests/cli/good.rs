@@ -113,7 +113,13 @@ fn devices_can_be_taken_by_index_name_and_uuid() {
     let listed = place.json("devices");
     let device = &listed["devices"][0];
     let (name, uuid) = (device["name"].as_str().expect("name"), device["uuid"].as_str().expect("uuid"));
-    assert!(place.ok("devices").contains(uuid));
+    let shown = place.ok("devices");
+    assert!(shown.contains(uuid));
+    // What a driver does not tell is null, and left out.
+    for key in ["driver_name", "driver_info", "pci"] {
+        let told = device.get(key).expect(key);
+        assert!(told.is_null() || told.as_str().is_some_and(|text| shown.contains(text)), "{key}: {told}");
+    }
     for choice in ["0", name, uuid] {
         let words = ["tile", "strip.png", "-o", "out.png", "--json", "--device", choice];
         let ran = place.run_words(&words);

@@ -5,6 +5,7 @@ mod common;
 
 mod animate;
 mod bad;
+mod bench;
 mod calm;
 mod coherence;
 mod demo;

@@ -2,8 +2,10 @@
 //!
 //! Its device has no extension and no feature. Validation, with synchronisation, watches all of it; the messages are
 //! what [`Host::destroy`] returns, after the layer has had its chance to report what was left over.
+#![allow(dead_code)]
 
 pub mod calls;
+pub mod memory;
 
 use ash::vk;
 use impasto::gpu::HostDevice;
@@ -137,6 +139,8 @@ impl Host {
             pipeline_cache: vk::PipelineCache::null(),
             debug_utils: true,
             memory_budget: None,
+            log: None,
+            memory: None,
         }
     }
 
@@ -319,13 +323,28 @@ impl Host {
 
     /// The texels (four bytes each) of a colour image that lies in `layout`, and is left in it.
     pub fn read_image(&self, image: vk::Image, layout: vk::ImageLayout, size: (u32, u32)) -> Vec<u8> {
+        self.read(image, vk::ImageAspectFlags::COLOR, layout, size)
+    }
+
+    /// The same of an image of the host's own, colour or depth.
+    pub fn read_own(&self, image: &HostImage, layout: vk::ImageLayout) -> Vec<u8> {
+        self.read(image.image, aspect(image.format), layout, image.size)
+    }
+
+    pub fn read(
+        &self,
+        image: vk::Image,
+        aspect: vk::ImageAspectFlags,
+        layout: vk::ImageLayout,
+        size: (u32, u32),
+    ) -> Vec<u8> {
         let buffer = self.buffer(u64::from(size.0 * size.1) * 4, vk::BufferUsageFlags::TRANSFER_DST);
-        let (from, color) = (vk::ImageLayout::TRANSFER_SRC_OPTIMAL, vk::ImageAspectFlags::COLOR);
+        let from = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         self.run(|commands| {
-            self.barrier(commands, image, color, [layout, from]);
-            let region = [region(size, color)];
+            self.barrier(commands, image, aspect, [layout, from]);
+            let region = [region(size, aspect)];
             unsafe { self.device.cmd_copy_image_to_buffer(commands, image, from, buffer.buffer, &region) };
-            self.barrier(commands, image, color, [from, layout]);
+            self.barrier(commands, image, aspect, [from, layout]);
         });
         let bytes = self.map(&buffer, |bytes| bytes.to_vec());
         self.destroy_buffer(buffer);

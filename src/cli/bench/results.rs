@@ -72,8 +72,9 @@ pub struct DeviceResults {
     pub device: Device,
     /// Milliseconds to open it: instance, device, memory allocator.
     pub open_ms: f64,
-    /// Milliseconds that its driver took to compile each pipeline for the first time in this run, by the name of what
-    /// was prepared. No other time has any of it.
+    /// Milliseconds that its driver took to compile the pipelines of each technique, and of `synthesis` by itself, which
+    /// was first: making them, and what the first frame took more than the second. Times of preparations are without
+    /// making pipelines. Drivers may keep what they have compiled from run to run, out of anyone's reach.
     pub compile_ms: BTreeMap<String, f64>,
     /// What was measured, in order.
     pub measurements: Vec<Measurement>,
@@ -108,6 +109,18 @@ pub struct Device {
     pub driver_info: Option<String>,
 }
 
+impl Device {
+    /// The driver in its own words, as far as it tells, or else its number.
+    pub fn driver(&self) -> String {
+        let words: Vec<&str> =
+            [&self.driver_name, &self.driver_info].into_iter().flatten().map(String::as_str).collect();
+        match words.is_empty() {
+            true => format!("{:#x}", self.driver_version),
+            false => words.join(" "),
+        }
+    }
+}
+
 /// What a measurement is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -120,12 +133,15 @@ pub enum Kind {
     Preparation,
     /// Per-frame synthesis with frames in flight: frames a second.
     Throughput,
+    /// Frames of a technique for many rounds, the slowest of which counts: milliseconds.
+    Sustained,
 }
 
 /// One row of the table.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Measurement {
-    /// Names it among all, the same in every run: `frame/object/head/light-orbit/1920x1080`.
+    /// Names it among all, the same in every run: `frame/object/head/light-orbit/1920x1080`, or `sustained/...` for a
+    /// sustained run's frames.
     pub id: String,
     /// What it is of.
     pub kind: Kind,
@@ -137,6 +153,8 @@ pub struct Measurement {
     pub motion: Option<String>,
     /// Width and height of picture or texture, pixels.
     pub size_px: [u32; 2],
+    /// How many frames the device had at a time, for [`Kind::Throughput`].
+    pub in_flight: Option<u32>,
     /// What the samples are in: `ms`, `blocks/s` or `frames/s`.
     pub unit: String,
     /// Whether more is better.
@@ -145,6 +163,9 @@ pub struct Measurement {
     pub gpu: Option<Samples>,
     /// By the host's clock, from the begin of recording to the end of the wait.
     pub wall: Option<Samples>,
+    /// The median of each round by the host's clock, in order. In a sustained run the samples above are those of the
+    /// slowest round, else of all rounds.
+    pub round_p50: Vec<f64>,
     /// Bytes of GPU memory that the context held.
     pub memory_bytes: u64,
     /// What came out, and whether it is right.

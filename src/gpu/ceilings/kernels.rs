@@ -11,7 +11,6 @@ use super::What;
 use crate::Result;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
-use std::sync::atomic::Ordering;
 
 /// Invocations of a workgroup.
 const GROUP: u32 = 128;
@@ -99,7 +98,7 @@ fn side_px(bytes: u64) -> u32 {
 /// two buffers or images there is the staging memory, and then that of reading back.
 pub fn copy_fits(context: &Context, bytes: u64) -> bool {
     let (caps, inner) = (context.caps(), context.inner());
-    let left = inner.budget.saturating_sub(inner.allocated.load(Ordering::Relaxed));
+    let left = inner.budget.saturating_sub(inner.memory.allocated_bytes());
     let square = (64..=caps.max_image_2d_px).contains(&side_px(bytes));
     square && bytes <= caps.max_storage_buffer_bytes && bytes <= left / 4
 }

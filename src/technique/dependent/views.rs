@@ -80,6 +80,11 @@ impl<M: Deref<Target = Mesh>> ViewCoverage<M> {
         self.coverage.finish()
     }
 
+    /// What the search may come to, without making it: an upper estimate.
+    pub(crate) fn suppose(self) -> Covered {
+        self.coverage.suppose()
+    }
+
     /// All rounds on a device of one's own.
     ///
     /// # Errors
