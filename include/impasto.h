@@ -21,9 +21,8 @@
  *         if (!progress.ready) {
  *             impasto_effect_prepare(effect, commands, &progress);
  *         } else {
- *             ImpastoMoment moment = {.struct_size = sizeof moment};  (fill in view and projection)
- *             ImpastoFrame frame = {.struct_size = sizeof frame, .seed = 1, .moment = &moment};
- *             frame.lights = &light; frame.light_count = 1;
+ *             ImpastoFrame frame = {.struct_size = sizeof frame, .seed = 1, .lights = &light, .light_count = 1};
+ *             (fill in view and projection)
  *             impasto_effect_record(effect, commands, &frame);
  *         }
  *         (draw with the picture of impasto_effect_picture(), or have impasto_composite_record() do it; submit)
@@ -425,6 +424,12 @@ typedef struct ImpastoRequirements {
 } ImpastoRequirements;
 
 /**
+ * A host's log. `level` is an ImpastoLogLevel; `text` stays for the time of the call. It may be called from any thread,
+ * from several at once, and within any call of the library; it must not call the library.
+ */
+typedef void (*ImpastoLog)(void *user, uint32_t level, const char *text);
+
+/**
  * A host's device, to be borrowed. All of it must outlive the context.
  */
 typedef struct ImpastoHostDevice {
@@ -464,6 +469,14 @@ typedef struct ImpastoHostDevice {
    * Bytes of GPU memory that the context may take; 0: 4 GiB.
    */
   uint64_t memory_budget;
+  /**
+   * Where messages go: what no status can carry, and that the device was lost; null: nowhere.
+   */
+  ImpastoLog log;
+  /**
+   * What the log is called with.
+   */
+  void *log_user;
   /**
    * 1 if the instance has VK_EXT_debug_utils: objects are named and passes labelled then.
    */
@@ -954,6 +967,32 @@ typedef struct ImpastoEffectDesc {
 } ImpastoEffectDesc;
 
 /**
+ * How much GPU memory an effect takes.
+ */
+typedef struct ImpastoMemory {
+  /**
+   * sizeof(ImpastoMemory), set by the caller.
+   */
+  uint32_t struct_size;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
+  /**
+   * Bytes that it keeps once it is ready.
+   */
+  uint64_t persistent_bytes;
+  /**
+   * Bytes that it takes at the most while it is prepared.
+   */
+  uint64_t preparation_bytes;
+  /**
+   * Bytes that a frame takes besides: 0.
+   */
+  uint64_t frame_bytes;
+} ImpastoMemory;
+
+/**
  * How far a preparation is.
  */
 typedef struct ImpastoProgress {
@@ -970,9 +1009,13 @@ typedef struct ImpastoProgress {
    */
   float done;
   /**
+   * 1: the last call of impasto_effect_prepare() has recorded something.
+   */
+  uint32_t recorded;
+  /**
    * What is being done.
    */
-  char step[52];
+  char step[48];
 } ImpastoProgress;
 
 /**
@@ -1033,32 +1076,6 @@ typedef struct ImpastoPose {
 } ImpastoPose;
 
 /**
- * Where camera and objects are at one moment. Matrices are column-major.
- */
-typedef struct ImpastoMoment {
-  /**
-   * sizeof(ImpastoMoment).
-   */
-  uint32_t struct_size;
-  /**
-   * How many objects have a pose; the others are where the mesh has them.
-   */
-  uint32_t pose_count;
-  /**
-   * The poses, in the order of the objects.
-   */
-  const struct ImpastoPose *poses;
-  /**
-   * World space to view space: a turn and a move. The view may look along -z or +z.
-   */
-  float view[16];
-  /**
-   * View space to clip space with depth 0 to 1, without jitter. Depth may be reversed, and far at infinity.
-   */
-  float projection[16];
-} ImpastoMoment;
-
-/**
  * How an image is used at a point of the command buffer. Plain: never grows.
  */
 typedef struct ImpastoUse {
@@ -1092,7 +1109,8 @@ typedef struct ImpastoImageUse {
 } ImpastoImageUse;
 
 /**
- * A frame, as the host wants it.
+ * A frame, as the host wants it. Matrices are column-major. Where everything was in the frame before the effect
+ * remembers; a host may shift the origin of its world in between, as long as camera and poses move with it.
  */
 typedef struct ImpastoFrame {
   /**
@@ -1104,18 +1122,25 @@ typedef struct ImpastoFrame {
    */
   uint32_t seed;
   /**
-   * Where everything is.
+   * World space to view space: a turn and a move. The view may look along -z or +z.
    */
-  const struct ImpastoMoment *moment;
+  float view[16];
   /**
-   * Where the frame that was recorded last lies in today's world, if the host has shifted the origin since; null: as
-   * it was given then.
+   * View space to clip space with depth 0 to 1, without jitter. Depth may be reversed, and far at infinity.
    */
-  const struct ImpastoMoment *previous;
+  float projection[16];
+  /**
+   * The poses, in the order of the objects.
+   */
+  const struct ImpastoPose *poses;
   /**
    * The lights.
    */
   const struct ImpastoLight *lights;
+  /**
+   * How many objects have a pose; the others are where the mesh has them.
+   */
+  uint32_t pose_count;
   /**
    * How many lights, 1 to 8.
    */
@@ -1133,6 +1158,10 @@ typedef struct ImpastoFrame {
    * where the host draws the depth.
    */
   uint32_t keep_planes;
+  /**
+   * 0.
+   */
+  uint32_t reserved;
   /**
    * The use of the picture; null: nothing to tell.
    */
@@ -1257,6 +1286,15 @@ const char *impasto_last_error(void);
 ImpastoStatus impasto_requirements(struct ImpastoRequirements *requirements);
 
 /**
+ * Tells whether a device, which need not be made yet, and a family of its queues do: IMPASTO_STATUS_OK, or
+ * IMPASTO_STATUS_DEVICE and in words what is missing. impasto_context_create() looks too.
+ */
+ImpastoStatus impasto_device_check(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
+                                   VkInstance instance,
+                                   VkPhysicalDevice physical_device,
+                                   uint32_t queue_family);
+
+/**
  * Borrows a device.
  */
 ImpastoStatus impasto_context_create(const struct ImpastoHostDevice *device, struct ImpastoContext **context);
@@ -1269,6 +1307,13 @@ ImpastoStatus impasto_context_create(const struct ImpastoHostDevice *device, str
 ImpastoStatus impasto_context_advance(const struct ImpastoContext *context,
                                       uint64_t current_frame,
                                       uint64_t safe_frame);
+
+/**
+ * Tells that the device is lost, as the host has learnt from its own calls; what the library's calls answer it notes
+ * itself. From here on calls that would call Vulkan answer with IMPASTO_STATUS_DEVICE_LOST. What was made on the
+ * context can be destroyed as always, without a wait.
+ */
+ImpastoStatus impasto_context_device_lost(const struct ImpastoContext *context);
 
 /**
  * The bytes of GPU memory that what stands on the context takes now.
@@ -1345,6 +1390,13 @@ ImpastoStatus impasto_dependent_params_init(struct ImpastoDependentParams *param
  * Fills in the defaults of the library for a technique; what has none is 0. The caller has set struct_size.
  */
 ImpastoStatus impasto_effect_desc_init(struct ImpastoEffectDesc *desc, uint32_t technique);
+
+/**
+ * Tells how much GPU memory an effect would take, without making it.
+ */
+ImpastoStatus impasto_effect_memory(const struct ImpastoContext *context,
+                                    const struct ImpastoEffectDesc *desc,
+                                    struct ImpastoMemory *memory);
 
 /**
  * Starts to prepare an effect, on a thread of its own. Mesh and paints may be destroyed then.

@@ -21,9 +21,8 @@
  *         if (!progress.ready) {
  *             impasto_effect_prepare(effect, commands, &progress);
  *         } else {
- *             ImpastoMoment moment = {.struct_size = sizeof moment};  (fill in view and projection)
- *             ImpastoFrame frame = {.struct_size = sizeof frame, .seed = 1, .moment = &moment};
- *             frame.lights = &light; frame.light_count = 1;
+ *             ImpastoFrame frame = {.struct_size = sizeof frame, .seed = 1, .lights = &light, .light_count = 1};
+ *             (fill in view and projection)
  *             impasto_effect_record(effect, commands, &frame);
  *         }
  *         (draw with the picture of impasto_effect_picture(), or have impasto_composite_record() do it; submit)

@@ -79,10 +79,29 @@ pub struct ImpastoProgress {
     pub ready: u32,
     /// 0 to 1, never less than before.
     pub done: f32,
+    /// 1: the last call of impasto_effect_prepare() has recorded something.
+    pub recorded: u32,
     /// What is being done.
-    pub step: [c_char; 52],
+    pub step: [c_char; 48],
 }
 versioned!(ImpastoProgress);
+
+/// How much GPU memory an effect takes.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ImpastoMemory {
+    /// sizeof(ImpastoMemory), set by the caller.
+    pub struct_size: u32,
+    /// 0.
+    pub reserved: u32,
+    /// Bytes that it keeps once it is ready.
+    pub persistent_bytes: u64,
+    /// Bytes that it takes at the most while it is prepared.
+    pub preparation_bytes: u64,
+    /// Bytes that a frame takes besides: 0.
+    pub frame_bytes: u64,
+}
+versioned!(ImpastoMemory);
 
 /// An image of an effect.
 #[repr(C)]
@@ -136,6 +155,29 @@ fn check_technique(technique: u32) -> Result<ImpastoTechnique> {
     use ImpastoTechnique as T;
     let number = pick("technique", technique, &[0, 1, 2, 3])?;
     Ok([T::Object, T::Image, T::Aligned, T::Dependent].into_iter().nth(number).unwrap_or(T::Object))
+}
+
+/// Tells how much GPU memory an effect would take, without making it.
+#[no_mangle]
+pub unsafe extern "C" fn impasto_effect_memory(
+    context: *const ImpastoContext,
+    desc: *const ImpastoEffectDesc,
+    memory: *mut ImpastoMemory,
+) -> ImpastoStatus {
+    guard(|| {
+        let context = get(context)?;
+        // SAFETY: the contract of the header, here and below.
+        let (_, desc, _) = unsafe { describe(&context, desc) }?;
+        let needs = Effect::memory(&context, &desc)?;
+        let told = ImpastoMemory {
+            struct_size: 0,
+            reserved: 0,
+            persistent_bytes: needs.persistent_bytes,
+            preparation_bytes: needs.preparation_bytes,
+            frame_bytes: needs.frame_bytes,
+        };
+        unsafe { write(memory, &told) }
+    })
 }
 
 /// Starts to prepare an effect, on a thread of its own. Mesh and paints may be destroyed then.
@@ -291,9 +333,10 @@ pub unsafe extern "C" fn impasto_effect_progress(
 /// # Safety
 /// The contract of the header.
 unsafe fn tell(progress: &Progress, to: *mut ImpastoProgress) -> Result<()> {
-    let (ready, done, step) = (u32::from(progress.ready), progress.done, text(progress.step));
+    let (ready, recorded) = (u32::from(progress.ready), u32::from(progress.recorded));
+    let told = ImpastoProgress { struct_size: 0, ready, done: progress.done, recorded, step: text(progress.step) };
     // SAFETY: the caller promises it.
-    unsafe { write(to, &ImpastoProgress { struct_size: 0, ready, done, step }) }
+    unsafe { write(to, &told) }
 }
 
 /// Tells of the picture: VK_FORMAT_R8G8B8A8_UNORM, straight alpha, background 0.

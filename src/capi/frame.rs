@@ -3,7 +3,7 @@
 use super::effect::{not_ready, recorder};
 use super::handles::{get, EffectObject, ImpastoEffect};
 use super::image::{uses, Uses};
-use super::memory::{read, read_if, slice, switch, versioned};
+use super::memory::{read, slice, switch, versioned};
 use super::params::{lights, pick};
 use super::status::{guard, Failure, Result};
 use super::types::*;
@@ -12,24 +12,8 @@ use crate::gpu::lock;
 use crate::scene::{Camera, Lights, Mat4, Moment, Pose};
 use crate::technique::Show;
 
-/// Where camera and objects are at one moment. Matrices are column-major.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct ImpastoMoment {
-    /// sizeof(ImpastoMoment).
-    pub struct_size: u32,
-    /// How many objects have a pose; the others are where the mesh has them.
-    pub pose_count: u32,
-    /// The poses, in the order of the objects.
-    pub poses: *const ImpastoPose,
-    /// World space to view space: a turn and a move. The view may look along -z or +z.
-    pub view: [f32; 16],
-    /// View space to clip space with depth 0 to 1, without jitter. Depth may be reversed, and far at infinity.
-    pub projection: [f32; 16],
-}
-versioned!(ImpastoMoment);
-
-/// A frame, as the host wants it.
+/// A frame, as the host wants it. Matrices are column-major. Where everything was in the frame before the effect
+/// remembers; a host may shift the origin of its world in between, as long as camera and poses move with it.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct ImpastoFrame {
@@ -37,13 +21,16 @@ pub struct ImpastoFrame {
     pub struct_size: u32,
     /// The seed of what is synthesised for this frame; the same in all frames is what a sequence wants.
     pub seed: u32,
-    /// Where everything is.
-    pub moment: *const ImpastoMoment,
-    /// Where the frame that was recorded last lies in today's world, if the host has shifted the origin since; null: as
-    /// it was given then.
-    pub previous: *const ImpastoMoment,
+    /// World space to view space: a turn and a move. The view may look along -z or +z.
+    pub view: [f32; 16],
+    /// View space to clip space with depth 0 to 1, without jitter. Depth may be reversed, and far at infinity.
+    pub projection: [f32; 16],
+    /// The poses, in the order of the objects.
+    pub poses: *const ImpastoPose,
     /// The lights.
     pub lights: *const ImpastoLight,
+    /// How many objects have a pose; the others are where the mesh has them.
+    pub pose_count: u32,
     /// How many lights, 1 to 8.
     pub light_count: u32,
     /// An ImpastoShow.
@@ -53,6 +40,8 @@ pub struct ImpastoFrame {
     /// 0: draw with near and far planes close around the mesh. 1: with those of the projection, as it is always done
     /// where the host draws the depth.
     pub keep_planes: u32,
+    /// 0.
+    pub reserved: u32,
     /// The use of the picture; null: nothing to tell.
     pub picture: *const ImpastoImageUse,
     /// The use of the picture's depth. Where it is the host's image it must be told, as for the others below.
@@ -93,9 +82,7 @@ unsafe fn record(object: &mut EffectObject, commands: VkCommandBuffer, frame: *c
     let reset = switch("reset", frame.reset)?;
     let fit = !switch("keep_planes", frame.keep_planes)? && object.guides.is_none();
     let lights = unsafe { lights(frame.lights, frame.light_count) }?;
-    let now = unsafe { moment(object, &read(frame.moment)?, &lights, fit) }?;
-    let previous = unsafe { read_if(frame.previous) }?;
-    let previous = previous.map(|previous| unsafe { moment(object, &previous, &lights, fit) }).transpose()?;
+    let now = unsafe { moment(object, &frame, lights, fit) }?;
     // Clones are the same images; the effect itself is borrowed to record.
     let (picture, depth) = (object.effect.picture().cloned(), object.effect.depth().cloned());
     let (Some(picture), Some(depth)) = (picture, depth) else { return Err(not_ready()) };
@@ -110,7 +97,7 @@ unsafe fn record(object: &mut EffectObject, commands: VkCommandBuffer, frame: *c
     }
     let mut recorder = unsafe { recorder(&object.context, commands) }?;
     told.iter().for_each(|told: &Uses<'_>| unsafe { told.begin() });
-    let frame = EffectFrame { moment: &now, previous: previous.as_ref(), reset, seed: frame.seed, show };
+    let frame = EffectFrame { moment: &now, reset, seed: frame.seed, show };
     object.effect.record(&mut recorder, &frame)?;
     told.iter().for_each(|told| told.end(&mut recorder));
     Ok(())
@@ -118,7 +105,7 @@ unsafe fn record(object: &mut EffectObject, commands: VkCommandBuffer, frame: *c
 
 /// # Safety
 /// `from.poses` is as long as it says.
-unsafe fn moment(object: &EffectObject, from: &ImpastoMoment, lights: &Lights, fit: bool) -> Result<Moment> {
+unsafe fn moment(object: &EffectObject, from: &ImpastoFrame, lights: Lights, fit: bool) -> Result<Moment> {
     let projection = Mat4::from_cols_array(&from.projection);
     let camera = Camera::from_matrices(&Mat4::from_cols_array(&from.view), &projection)?;
     let (width, height) = object.effect.size_px();
@@ -132,6 +119,6 @@ unsafe fn moment(object: &EffectObject, from: &ImpastoMoment, lights: &Lights, f
     let poses = unsafe { slice("poses", from.poses, from.pose_count, object.mesh.objects().len()) }?;
     let pose = |pose: &ImpastoPose| Pose::from_matrix(&Mat4::from_cols_array(&pose.matrix));
     let poses = poses.iter().map(pose).collect::<crate::Result<_>>()?;
-    let moment = Moment { camera, lights: lights.clone(), poses };
+    let moment = Moment { camera, lights, poses };
     Ok(if fit { moment.fit_depth(&object.mesh) } else { moment })
 }

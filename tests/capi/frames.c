@@ -99,8 +99,11 @@ static ImpastoEffectDesc described(uint32_t technique) {
 /* Prepares beside frames of the host's, which all run. */
 static ImpastoEffect *prepared(const ImpastoEffectDesc *desc) {
     ImpastoProgress progress = {.struct_size = sizeof progress};
+    ImpastoMemory memory = {.struct_size = sizeof memory};
     ImpastoEffect *effect;
     float done = 0.0f;
+    OK(impasto_effect_memory(context, desc, &memory));
+    CHECK(memory.persistent_bytes > 0 && memory.preparation_bytes >= memory.persistent_bytes && !memory.frame_bytes);
     OK(impasto_effect_create(context, desc, &effect));
     while (!progress.ready) {
         VkCommandBuffer commands = host_begin(&host);
@@ -115,15 +118,10 @@ static ImpastoEffect *prepared(const ImpastoEffectDesc *desc) {
 }
 
 /* What is told of each frame; pose 0 turns the first object. */
-static ImpastoMoment moment_of(uint32_t pose_count) {
-    ImpastoMoment moment = {.struct_size = sizeof moment, .pose_count = pose_count, .poses = poses};
-    memcpy(moment.view, matrices[0], sizeof moment.view);
-    memcpy(moment.projection, matrices[1], sizeof moment.projection);
-    return moment;
-}
-
-static ImpastoFrame frame_of(const ImpastoMoment *moment) {
-    ImpastoFrame frame = {.struct_size = sizeof frame, .seed = 5, .moment = moment};
+static ImpastoFrame frame_of(uint32_t pose_count) {
+    ImpastoFrame frame = {.struct_size = sizeof frame, .seed = 5, .pose_count = pose_count, .poses = poses};
+    memcpy(frame.view, matrices[0], sizeof frame.view);
+    memcpy(frame.projection, matrices[1], sizeof frame.projection);
     frame.lights = lights;
     frame.light_count = 2;
     return frame;
@@ -160,8 +158,7 @@ static void record_two(ImpastoEffect *effect, const char *technique) {
     char name[64];
     uint32_t i;
     for (i = 0; i < 2; i++) {
-        ImpastoMoment moment = moment_of(i ? OBJECTS : 0);
-        ImpastoFrame frame = frame_of(&moment);
+        ImpastoFrame frame = frame_of(i ? OBJECTS : 0);
         snprintf(name, sizeof name, "%s.%u", technique, (unsigned)i);
         record(effect, &frame, name);
     }
@@ -291,8 +288,7 @@ static void over_guides(void) {
     };
     ImpastoImageParams params = {.struct_size = sizeof params};
     ImpastoEffectDesc desc = described(IMPASTO_TECHNIQUE_IMAGE);
-    ImpastoMoment moment = moment_of(0);
-    ImpastoFrame frame = frame_of(&moment);
+    ImpastoFrame frame = frame_of(0);
     ImpastoImageUse use = {HOST_WRITTEN, HOST_TO_BE_READ};
     ImpastoImage images[4];
     HostImage made[4];

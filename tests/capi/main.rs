@@ -1,6 +1,6 @@
 //! The C ABI from the side of C: programs that make a Vulkan device of their own and know of the library what
 //! include/impasto.h says. They are compiled here, against a library that is built here.
-#![cfg(unix)]
+#![cfg(target_os = "linux")]
 
 mod expected;
 #[path = "../../examples/make_header/header.rs"]
@@ -11,6 +11,8 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-Werror", "-pedantic"];
+/// Watches what C does with memory, and what of C's and of the library's is lost at the end.
+const SANITIZED: [&str; 2] = ["-fsanitize=address,undefined", "-fno-sanitize-recover=undefined"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -81,11 +83,44 @@ fn the_library_has_the_headers_functions_and_no_others() {
     assert_eq!(functions, declared);
 }
 
+/// A program that was compiled with [`SANITIZED`], which must be done and not have lost anything.
+fn run_sanitized(program: &Path, arguments: &[&Path]) {
+    let told = suppressing("leaks.supp");
+    let output = run(Command::new(program).args(arguments).env("LSAN_OPTIONS", format!("{told}:print_suppressions=0")));
+    assert_eq!(output, "done\n");
+}
+
+fn suppressing(file: &str) -> String {
+    format!("suppressions={}", root().join("tests/capi").join(file).display())
+}
+
 #[test]
 fn c_paints_the_same_bytes_with_each_technique() {
-    let (folder, program) = compiled("frames", &[]);
+    let (folder, program) = compiled("frames", &SANITIZED);
     let assets = root().join("assets");
     expected::write(&assets, folder.path());
-    let told = run(Command::new(&program).arg(&assets).arg(folder.path()));
-    assert_eq!(told, "done\n");
+    run_sanitized(&program, &[&assets, folder.path()]);
+}
+
+#[test]
+fn what_c_does_wrong_is_told_and_harms_nothing() {
+    let (_folder, program) = compiled("errors", &SANITIZED);
+    run_sanitized(&program, &[Path::new("calls")]);
+}
+
+#[test]
+fn calls_of_vulkan_that_fail_are_told_and_lose_nothing() {
+    let (_folder, program) = compiled("errors", &SANITIZED);
+    run_sanitized(&program, &[Path::new("failing")]);
+}
+
+/// It also watches what the library does with memory, which the sanitizers do not see. Without the validation layer,
+/// which takes long there.
+#[test]
+fn valgrind_finds_nothing() {
+    let (_folder, program) = compiled("errors", &[]);
+    let mut valgrind = Command::new("valgrind");
+    valgrind.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=definite"]);
+    valgrind.args(["--show-leak-kinds=definite", &format!("--{}", suppressing("valgrind.supp"))]);
+    assert_eq!(run(valgrind.arg(&program).args(["calls", "plain"])), "done\n");
 }
