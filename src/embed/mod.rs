@@ -57,8 +57,8 @@ pub struct EffectDesc {
 }
 
 impl EffectDesc {
-    /// About 30 ms of a synthesis on two CPU cores, and far less than a millisecond of a large GPU.
-    pub const PIECE: u64 = 25_000_000;
+    /// About 10 ms of a synthesis on two CPU cores, and well below a millisecond of a large GPU.
+    pub const PIECE: u64 = 100_000_000;
 
     /// One paint for all of a mesh, nothing of the host's, and pieces of [`EffectDesc::PIECE`].
     pub fn new(mesh: Arc<Mesh>, paint: EffectPaint, method: Method, size_px: (u32, u32)) -> Self {

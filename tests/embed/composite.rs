@@ -25,7 +25,7 @@ fn stored(light: f64) -> f64 {
     }
 }
 
-/// A wall in the host's depth that is nearer than the head on the left and farther on the right.
+/// A wall in the host's depth that is nearer than the ball on the left and farther on the right.
 fn wall(depth: &HostDepth, camera: &Camera) -> Vec<f32> {
     let (near, far) = (camera.near(), camera.far());
     let at = |i: u32| {
@@ -40,7 +40,7 @@ fn a_picture_lies_over_the_hosts_behind_what_is_nearer() {
     use glam::camera::rh::proj::directx;
     use vk::Format as F;
     use vk::ImageUsageFlags as U;
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let mut frame = 0;
     let (_, object) = methods().into_iter().next().expect("a method");
@@ -134,7 +134,7 @@ fn depth_of(host: &Host, depth: &Image, camera: &Camera) -> Vec<f32> {
 fn targets_that_do_not_fit_are_refused() {
     use vk::Format as F;
     use vk::ImageUsageFlags as U;
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let mut frame = 0;
     let (_, object) = methods().into_iter().next().expect("a method");

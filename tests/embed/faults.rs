@@ -20,7 +20,7 @@ fn try_to_prepare(host: &Host, context: &Context, effect: &mut Effect, frame: &m
 #[test]
 fn memory_may_run_out_at_every_allocation() {
     for (name, method) in methods() {
-        let (host, mesh) = (Host::new(), head());
+        let (host, mesh) = (Host::new(), ball());
         let memory = Arc::new(Pieces::new(&host));
         let lent = HostDevice { memory: Some(memory.clone()), ..host.lent() };
         // SAFETY: as in `borrow`.
@@ -57,7 +57,7 @@ fn memory_may_run_out_at_every_allocation() {
 
 #[test]
 fn a_device_may_be_lost_at_any_time() {
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let use_of = vk::ImageUsageFlags::COLOR_ATTACHMENT;
     let color = host.image(vk::Format::R8G8B8A8_UNORM, use_of, SIZE);
     for (name, method) in methods() {

@@ -141,7 +141,7 @@ fn by_effect(host: &Host, context: &Context, mesh: &Arc<Mesh>, method: &Method) 
 
 #[test]
 fn an_effect_paints_what_its_technique_does() {
-    let (host, gpu, mesh) = (Host::new(), Validated::new(), head());
+    let (host, gpu, mesh) = (Host::new(), Validated::new(), ball());
     let mut runner = gpu.runner();
     let context = borrow(&host);
     for (name, method) in methods() {
@@ -161,7 +161,7 @@ fn an_effect_paints_what_its_technique_does() {
 #[test]
 fn a_thousand_frames_only_record() {
     use impasto::embed::{Composite, HostDepth, Target, TargetColor};
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let color_use = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
     let color = host.image(vk::Format::R8G8B8A8_UNORM, color_use, SIZE);
@@ -213,7 +213,7 @@ fn sampled() -> ResourceState {
 
 #[test]
 fn what_a_preparation_records_is_small() {
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let mut frame = 0;
     for (name, method) in methods() {
@@ -246,7 +246,7 @@ fn what_a_preparation_records_is_small() {
 
 #[test]
 fn effects_may_go_at_any_time() {
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     for (name, method) in methods() {
         for pieces in [0, 1, 2, 5] {
             let context = borrow(&host);
@@ -267,7 +267,7 @@ fn effects_may_go_at_any_time() {
 
 #[test]
 fn a_host_draws_guides_and_vectors_for_it() {
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let mut uploads = Uploads::default();
     let pass = GuidePass::new(&context, &mut uploads, &mesh, SIZE).expect("guides");
@@ -309,7 +309,7 @@ fn a_host_draws_guides_and_vectors_for_it() {
 /// What counts is how camera and objects lie to each other, then and now.
 #[test]
 fn the_origin_may_be_shifted_between_frames() {
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let mut frame = 0;
     let still = Moment { poses: Vec::new(), ..moment(&mesh, 0) };
@@ -336,7 +336,7 @@ fn the_origin_may_be_shifted_between_frames() {
 
 #[test]
 fn contexts_of_several_hosts_run_side_by_side() {
-    let mesh = head();
+    let mesh = ball();
     let paint = |method: Method| {
         let mesh = mesh.clone();
         move || {
@@ -365,7 +365,7 @@ fn contexts_of_several_hosts_run_side_by_side() {
 
 #[test]
 fn what_is_wrong_is_told_before_anything_is_prepared() {
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let [(_, object), (_, image), _, (_, aligned), (_, dependent)] = methods();
     let refused = |desc: EffectDesc, word: &str| {

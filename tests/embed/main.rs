@@ -46,9 +46,38 @@ fn assert_silent(messages: &[String]) {
     assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
 }
 
-fn head() -> Arc<Mesh> {
-    let asset = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/head.obj");
-    Arc::new(Mesh::load(asset, &MeshOptions::default()).expect("a mesh").mesh)
+/// A ball of 512 triangles: all shades, and seen whole from few views.
+fn ball() -> Arc<Mesh> {
+    // The octahedron's eight sides, each cut into `CUTS` x `CUTS` triangles and blown up.
+    const CUTS: u32 = 8;
+    let (mut positions, mut indices) = (Vec::new(), Vec::new());
+    for side in 0..8 {
+        let sign = [0, 1, 2].map(|bit| if side >> bit & 1 == 0 { 1.0 } else { -1.0 });
+        let outwards = sign.iter().product::<f32>() > 0.0;
+        let first = positions.len() as u32;
+        for row in 0..=CUTS {
+            for column in 0..=CUTS - row {
+                let corner = [row, column, CUTS - row - column].map(|part| part as f32);
+                let point = Vec3::from_array([0, 1, 2].map(|axis| sign[axis] * corner[axis])).normalize();
+                positions.push(point.to_array());
+            }
+        }
+        let at = |row: u32, column: u32| first + row * (CUTS + 1) - row * row.saturating_sub(1) / 2 + column;
+        for row in 0..CUTS {
+            for column in 0..CUTS - row {
+                let mut triangles = vec![[at(row, column), at(row + 1, column), at(row, column + 1)]];
+                if column + row + 1 < CUTS {
+                    triangles.push([at(row + 1, column), at(row + 1, column + 1), at(row, column + 1)]);
+                }
+                for [a, b, c] in triangles {
+                    indices.extend(if outwards { [a, b, c] } else { [a, c, b] });
+                }
+            }
+        }
+    }
+    let normals = positions.clone();
+    let built = Mesh::build(positions, Some(normals), &indices, &[], &MeshOptions::default());
+    Arc::new(built.expect("a mesh").mesh)
 }
 
 fn paint() -> EffectPaint {
@@ -75,7 +104,7 @@ fn methods() -> [(&'static str, Method); 5] {
     ]
 }
 
-/// A head that turns by 3 degrees a frame.
+/// A ball that turns by 3 degrees a frame.
 fn moment(mesh: &Mesh, frame: u32) -> Moment {
     let aspect = SIZE.0 as f32 / SIZE.1 as f32;
     let camera = Camera::framing(mesh, &Framing::default(), aspect).expect("a camera");

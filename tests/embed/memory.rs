@@ -23,6 +23,12 @@ fn taken(host: &Host, context: &Context, desc: EffectDesc) -> (u64, u64) {
     (kept, most)
 }
 
+/// A model that takes many textures of views, being full of hollows.
+fn head() -> Arc<Mesh> {
+    let asset = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/head.obj");
+    Arc::new(Mesh::load(asset, &MeshOptions::default()).expect("a mesh").mesh)
+}
+
 #[test]
 fn memory_is_told_before_it_is_taken() {
     let (host, mesh) = (Host::new(), head());
@@ -54,7 +60,7 @@ fn memory_is_told_before_it_is_taken() {
 
 #[test]
 fn a_budget_that_is_too_small_is_told_before_too() {
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let (_, image) = methods().into_iter().nth(1).expect("a method");
     let needs = Effect::memory(&context, &desc(&mesh, &image)).expect("a description");

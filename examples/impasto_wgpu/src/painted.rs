@@ -38,8 +38,7 @@ impl Painted {
         let frame = AlignedFrame { density: 0.6, ..AlignedFrame::default() };
         let method = Method::Aligned { levels, frame, follow: false };
         let size = (scene.color.width(), scene.color.height());
-        // Larger pieces than a game would want, so that on a CPU the preparation is not all host's frames.
-        let desc = EffectDesc { piece: 4 * EffectDesc::PIECE, ..EffectDesc::new(mesh.clone(), paint, method, size) };
+        let desc = EffectDesc::new(mesh.clone(), paint, method, size);
 
         let context = lend::context(&host.adapter, &host.device)?;
         let target = Target {
