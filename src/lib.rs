@@ -79,6 +79,8 @@
 //! ```
 #![warn(missing_docs)]
 
+#[cfg(feature = "capi")]
+pub mod capi;
 pub mod embed;
 pub mod error;
 pub mod gpu;

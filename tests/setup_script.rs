@@ -16,7 +16,8 @@ struct Machine {
 
 const WHOLE: Machine = Machine {
     cargo: "cargo 1.90.0 (abc 2025-09-01)",
-    installed: "libvulkan1 mesa-vulkan-drivers vulkan-validationlayers libshaderc-dev glslang-dev spirv-tools g++",
+    installed: "libvulkan1 mesa-vulkan-drivers vulkan-validationlayers libvulkan-dev valgrind libshaderc-dev \
+                glslang-dev spirv-tools g++",
     root: false,
     debian: true,
 };
@@ -91,7 +92,8 @@ fn root_installs_just_what_is_missing() {
     let machine = Machine { installed: "libvulkan1 mesa-vulkan-drivers g++ spirv-tools", root: true, ..WHOLE };
     let (output, apt) = setup(&machine, "test");
     assert!(output.status.success(), "{}", errors(&output));
-    assert_eq!(apt, "install -y --no-install-recommends vulkan-validationlayers libshaderc-dev glslang-dev\n");
+    let lacking = "vulkan-validationlayers libvulkan-dev valgrind libshaderc-dev glslang-dev";
+    assert_eq!(apt, format!("install -y --no-install-recommends {lacking}\n"));
     // The demo needs none of these.
     assert_eq!(setup(&machine, "demo").1, "");
 }

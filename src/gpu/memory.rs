@@ -399,6 +399,11 @@ impl Image {
         self.0.desc.format
     }
 
+    /// What it was made for.
+    pub fn usage(&self) -> vk::ImageUsageFlags {
+        self.0.desc.usage
+    }
+
     /// The Vulkan image, for hosts that read from it themselves.
     pub fn handle(&self) -> vk::Image {
         self.0.handle

@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::light::Lights;
 use super::mesh::Mesh;
 use crate::error::{Error, Result};
-use glam::{DMat4, DQuat, DVec3, Vec3};
+use glam::{DMat3, DMat4, DQuat, DVec3, Mat4, Vec3, Vec4};
 
 /// Where an object is: turned and moved from its place in the mesh, and as large as it is there.
 ///
@@ -42,6 +42,24 @@ impl Pose {
         let rotation = DQuat::from_axis_angle(axis, f64::from(degrees).to_radians());
         let center = center.as_dvec3();
         Ok(Self { rotation, translation: center - rotation * center + way.as_dvec3() })
+    }
+
+    /// As a matrix tells it, from the mesh to world space.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for one that is not finite or beyond 1e15, or does anything but turn and move.
+    pub fn from_matrix(matrix: &Mat4) -> Result<Self> {
+        /// How far off rounding may be.
+        const ROUNDING: f64 = 1e-3;
+        let turn = DMat3::from_mat4(matrix.as_dmat4());
+        let off = turn * turn.transpose() - DMat3::IDENTITY;
+        let is_turn = off.to_cols_array().iter().all(|entry| entry.abs() <= ROUNDING) && turn.determinant() > 0.0;
+        let translation = matrix.w_axis.truncate();
+        let is_near = translation.is_finite() && translation.abs().max_element() <= 1e15;
+        if !is_turn || !is_near || matrix.row(3) != Vec4::W {
+            return Err(Error::parameter("pose", matrix, "a turn and a move by 1e15 at the most"));
+        }
+        Ok(Self { rotation: DQuat::from_mat3(&turn).normalize(), translation: translation.as_dvec3() })
     }
 
     /// From the mesh to world space.
@@ -126,6 +144,22 @@ mod tests {
             let camera = moment.clone().fit_depth(&mesh).camera;
             assert!((0.9 * near..near).contains(&camera.near()), "{}", camera.near());
             assert!((far + 1e-6..1.1 * far).contains(&camera.far()), "{}", camera.far());
+        }
+    }
+
+    #[test]
+    fn a_pose_may_come_from_a_matrix() {
+        let pose = Pose::new(40.0, Vec3::new(1.0, 2.0, -1.0), Vec3::X, Vec3::new(3.0, -2.0, 1.0)).expect("a pose");
+        let again = Pose::from_matrix(&pose.matrix().as_mat4()).expect("a pose");
+        assert!(again.matrix().abs_diff_eq(pose.matrix(), 1e-6), "{again:?} is not {pose:?}");
+        assert_eq!(Pose::from_matrix(&Mat4::IDENTITY).expect("a pose"), Pose::REST);
+        let mirror = Mat4::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+        let twice = Mat4::from_scale(Vec3::splat(2.0));
+        let slanted = Mat4 { w_axis: Vec4::ONE, x_axis: Vec4::ONE, ..Mat4::IDENTITY };
+        let far = [f32::NAN, f32::INFINITY, 1e20].map(|far| Mat4::from_translation(Vec3::Y * far));
+        let projecting = Mat4 { w_axis: Vec4::splat(2.0), ..Mat4::IDENTITY };
+        for bad in [mirror, twice, slanted, projecting].into_iter().chain(far) {
+            assert!(Pose::from_matrix(&bad).is_err(), "{bad}");
         }
     }
 
