@@ -369,8 +369,8 @@ mod tests {
     fn defaults_are_the_librarys() {
         // SAFETY: null is the defaults.
         let methods = unsafe {
-            let null = std::ptr::null;
-            [object(null()), image(null()), aligned(null()), dependent(std::ptr::null())].map(|m| m.expect("defaults"))
+            use std::ptr::null;
+            [object(null()), image(null()), aligned(null()), dependent(null())].map(|m| m.expect("defaults"))
         };
         let [object, image, aligned, dependent] = methods;
         let Method::Object { params, range } = object else { panic!("another technique") };
