@@ -187,6 +187,11 @@ pub struct Inputs {
 }
 
 impl Inputs {
+    fn images(&self) -> impl Iterator<Item = &Image> {
+        let guides = self.guides.iter().flat_map(|guides| [guides.shade(), guides.id(), guides.depth()]);
+        guides.chain(self.vectors.iter().map(|(vectors, _)| vectors))
+    }
+
     fn check(&self, desc: &EffectDesc) -> Result<()> {
         if let Some(guides) = &self.guides {
             if !desc.method.takes_guides() {
