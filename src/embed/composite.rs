@@ -2,8 +2,8 @@
 
 use super::Effect;
 use crate::gpu::{
-    Access, Attachment, BindingKind, BindingSet, Draw, Framebuffer, Image, RasterDesc, RasterPipeline, RasterShader,
-    Recorder, RenderPass, Role, Sampler,
+    Access, Attachment, BindingKind, BindingSet, Context, Draw, Framebuffer, Image, RasterDesc, RasterPipeline,
+    RasterShader, Recorder, RenderPass, Role, Sampler,
 };
 use crate::scene::Camera;
 use crate::technique::picture_pass::PICTURE;
@@ -80,6 +80,13 @@ impl HostDepth {
         HostDepth { a: (far / (far - near)) as f32, b: (-near * far / (far - near)) as f32 }
     }
 
+    /// The depth of surfaces that are nearer by this part of their distance, as 0.001. For a host that has drawn the
+    /// same mesh into its depth: there the two depths differ by rounding, and without a bias either would win here and
+    /// there.
+    pub fn nearer_by(self, part: f32) -> Self {
+        HostDepth { b: self.b / (1.0 - part), ..self }
+    }
+
     /// Whether nearer is more.
     pub fn is_reversed(&self) -> bool {
         self.b > 0.0
@@ -104,6 +111,7 @@ impl HostDepth {
 ///
 /// Made for one effect, when that is ready; it keeps what it needs of it alive.
 pub struct Composite {
+    picture: Image,
     pass: RenderPass,
     pipeline: RasterPipeline,
     set: BindingSet,
@@ -117,15 +125,17 @@ impl Composite {
     /// nearer is more in their depth.
     ///
     /// # Errors
-    /// [`Error::Device`] for an effect that is not ready; [`Error::Parameter`] for no target, or one of another size,
-    /// format or use; [`Error::Vulkan`] when a call fails.
+    /// [`Error::Device`] for an effect that is not ready; [`Error::Parameter`] for no target, one of another size, format,
+    /// use or context, and one that the effect itself has: its picture, or the depth of guides that the host draws for
+    /// it, which the pass reads; [`Error::Vulkan`] when a call fails.
     pub fn new(effect: &Effect, targets: &[Target], color: TargetColor, reversed: bool) -> Result<Self> {
         let (Some(picture), Some(depth)) = (effect.picture(), effect.depth()) else {
             return Err(Error::Device("the effect is not ready: its preparation is not over".to_owned()));
         };
         let Some(first) = targets.first() else { return Err(Error::parameter("targets", 0, "1 or more")) };
+        let context = effect.context();
         for target in targets {
-            check(target, first, picture.size_px())?;
+            check(context, target, first, [picture, depth])?;
         }
         depth.check_usage("depth", vk::ImageUsageFlags::SAMPLED)?;
         let light = match color {
@@ -133,7 +143,6 @@ impl Composite {
             TargetColor::Stored => false,
             TargetColor::Light => true,
         };
-        let context = effect.context();
         let mut attachments = vec![Attachment { format: first.color.format(), role: Role::ColorOver }];
         if let Some(depth) = &first.depth {
             attachments.push(Attachment { format: depth.format(), role: Role::DepthOver { reversed } });
@@ -154,7 +163,8 @@ impl Composite {
             Framebuffer::new(context, &pass, &images)
         };
         let framebuffers = targets.iter().map(framebuffer).collect::<Result<_>>()?;
-        Ok(Composite { pass, pipeline, set, framebuffers, depth: first.depth.as_ref().map(|_| reversed) })
+        let depth = first.depth.as_ref().map(|_| reversed);
+        Ok(Composite { picture: picture.clone(), pass, pipeline, set, framebuffers, depth })
     }
 
     /// Records the pass into the target of this number. `effect` is the one that it was made for, and has recorded the
@@ -165,10 +175,15 @@ impl Composite {
     /// told with [`Image::set_state`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a target that there is not, or one in a layout without content; for a depth that is not
-    /// finite or runs the other way than the pass was made for; [`Error::Device`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
+    /// [`Error::Parameter`] for another effect, a recorder of another context, a target that there is not, one in a
+    /// layout without content, a depth that is not finite or runs the other way than the pass was made for;
+    /// [`Error::Device`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, effect: &Effect, target: usize, depth: &HostDepth) -> Result<()> {
         effect.context().usable()?;
+        self.picture.context().check_same("recorder", recorder.context())?;
+        if !effect.picture().is_some_and(|picture| picture.is_same(&self.picture)) {
+            return Err(Error::parameter("effect", "another", "the one that the pass was made for"));
+        }
         let count = self.framebuffers.len();
         let Some(framebuffer) = self.framebuffers.get(target) else {
             return Err(Error::parameter("target", target, format!("below the {count} targets")));
@@ -191,9 +206,18 @@ impl Composite {
     }
 }
 
-fn check(target: &Target, first: &Target, size_px: [u32; 3]) -> Result<()> {
+/// Checks a target of a pass that reads these images.
+fn check(context: &Context, target: &Target, first: &Target, reads: [&Image; 2]) -> Result<()> {
     use vk::Format as F;
     use vk::ImageUsageFlags as U;
+    let size_px = reads[0].size_px();
+    for (name, image) in [("target's colour", Some(&target.color)), ("target's depth", target.depth.as_ref())] {
+        let Some(image) = image else { continue };
+        context.check_same(name, image.context())?;
+        if reads.iter().any(|read| read.is_same(image)) {
+            return Err(Error::parameter(name, "an image that the effect reads", "one apart: a copy"));
+        }
+    }
     let colors = [
         F::R8G8B8A8_UNORM,
         F::R8G8B8A8_SRGB,

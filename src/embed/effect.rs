@@ -4,7 +4,7 @@ use super::preparation::{prepare, Guides, Motion, Prepared};
 use super::recordings::{recordings, Desk, Recordings};
 use super::{EffectDesc, Inputs, MemoryNeeds, Progress};
 use crate::gpu::{measuring, Context, Image, Recorder};
-use crate::scene::{Camera, Mesh, Moment};
+use crate::scene::{Camera, Mesh, Moment, Spheres};
 use crate::technique::aligned::{screen_displacements, AlignedFrame};
 use crate::technique::dependent::Carry;
 use crate::technique::Show;
@@ -22,6 +22,8 @@ pub struct Effect {
     mesh: Arc<Mesh>,
     inputs: Inputs,
     size_px: (u32, u32),
+    /// What the planes of the camera close in on; none where the host draws the depth.
+    spheres: Option<Spheres>,
     state: State,
     /// The moment of the last frame, unless none is to go on from.
     last: Option<Moment>,
@@ -61,11 +63,13 @@ impl Effect {
     /// Starts to prepare an effect, on a thread of its own.
     ///
     /// # Errors
-    /// Those of [`EffectDesc::check`]; [`Error::Parameter`] for a picture that is larger than the device's images;
+    /// Those of [`EffectDesc::check`]; [`Error::Parameter`] for a picture that is larger than the device's images, and
+    /// for inputs of another context;
     /// [`Error::Io`] when the system has no thread to give; [`Error::DeviceLost`].
     pub fn new(context: &Context, desc: EffectDesc) -> Result<Self> {
         Self::check(context, &desc)?;
         let (mesh, inputs, size_px) = (desc.mesh.clone(), desc.inputs.clone(), desc.size_px);
+        let spheres = inputs.guides.is_none().then(|| Spheres::new(&mesh));
         let (recordings, desk) = recordings();
         let on_thread = context.clone();
         let thread = std::thread::Builder::new()
@@ -73,7 +77,7 @@ impl Effect {
             .spawn(move || prepare(&on_thread, &desc, &recordings))
             .map_err(|error| Error::io("a thread", error))?;
         let state = State::Preparing(desk, Some(thread));
-        Ok(Effect { context: context.clone(), mesh, inputs, size_px, state, last: None, frames: 0 })
+        Ok(Effect { context: context.clone(), mesh, inputs, size_px, spheres, state, last: None, frames: 0 })
     }
 
     /// How much GPU memory an effect takes, without making anything of it but, for a moment, empty buffers and images
@@ -100,6 +104,7 @@ impl Effect {
     fn check(context: &Context, desc: &EffectDesc) -> Result<()> {
         context.usable()?;
         desc.check()?;
+        desc.inputs.images().try_for_each(|image| context.check_same("inputs", image.context()))?;
         let (width, height) = desc.size_px;
         let most = context.caps().max_image_2d_px;
         if width.max(height) > most {
@@ -114,9 +119,11 @@ impl Effect {
     /// [`Context::advance`] to say that the frame of an earlier one is safe.
     ///
     /// # Errors
-    /// What went wrong in preparing: once as it was, then as [`Error::Device`] with its words. [`Error::DeviceLost`].
+    /// What went wrong in preparing: once as it was, then as [`Error::Device`] with its words. What was recorded for it
+    /// may be submitted or thrown away. [`Error::Parameter`] for a recorder of another context; [`Error::DeviceLost`].
     pub fn prepare(&mut self, recorder: &mut Recorder<'_>) -> Result<Progress> {
         self.context.usable()?;
+        self.context.check_same("recorder", recorder.context())?;
         let mut recorded = false;
         if let State::Preparing(desk, thread) = &mut self.state {
             recorded = desk.step(&self.context, recorder);
@@ -155,23 +162,29 @@ impl Effect {
     ///
     /// # Errors
     /// [`Error::Device`] before the preparation is over, [`Error::Parameter`] when a camera has no projection for the
-    /// picture's shape or an image of the host's is in a layout without content, [`Error::DeviceLost`]; nothing is
-    /// recorded then.
+    /// picture's shape, the recorder is of another context or an image of the host's is in a layout without content,
+    /// [`Error::DeviceLost`]; nothing is recorded then.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, frame: &EffectFrame<'_>) -> Result<()> {
         self.context.usable()?;
+        self.context.check_same("recorder", recorder.context())?;
         let State::Ready(prepared) = &mut self.state else {
             return Err(Error::Device("the effect is not ready: its preparation is not over".to_owned()));
         };
-        let (now, size) = (frame.moment, self.size_px);
-        now.camera.projection(size.0 as f32 / size.1 as f32)?;
+        let size = self.size_px;
+        frame.moment.camera.projection(size.0 as f32 / size.1 as f32)?;
         self.inputs.check_content()?;
+        let mut now = frame.moment.clone();
+        if let Some(spheres) = &self.spheres {
+            now.camera = spheres.close_in(&now);
+        }
+        let now = now;
         let before = if frame.reset { None } else { self.last.as_ref() };
         match &mut **prepared {
-            Prepared::Object(technique, range) => technique.record(recorder, now, *range, frame.show)?,
+            Prepared::Object(technique, range) => technique.record(recorder, &now, *range, frame.show)?,
             Prepared::Image(guides, motion, technique) => {
-                guides.record(recorder, now)?;
+                guides.record(recorder, &now)?;
                 if let Some(motion) = motion {
-                    motion.record(recorder, before, now)?;
+                    motion.record(recorder, before, &now)?;
                 }
                 match (before, motion.is_some()) {
                     (Some(_), true) => technique.record_next(recorder, frame.seed, self.frames),
@@ -184,19 +197,19 @@ impl Effect {
                 }
             }
             Prepared::Aligned(guides, technique, aligned, offsets) => {
-                guides.record(recorder, now)?;
                 let aligned = AlignedFrame { show: frame.show, ..*aligned };
                 if let Some(offsets) = offsets {
-                    follow(offsets, &self.mesh, before.map(|before| [before, now]), size, &aligned)?;
+                    follow(offsets, &self.mesh, before.map(|before| [before, &now]), size, &aligned)?;
                 }
+                guides.record(recorder, &now)?;
                 technique.record(recorder, &aligned, offsets.as_deref().unwrap_or_default())?;
             }
             Prepared::Dependent(technique) => {
-                technique.record_carry(recorder, now, if before.is_some() { Carry::Next } else { Carry::Cut });
-                technique.record_picture(recorder, now, frame.show)?;
+                technique.record_carry(recorder, &now, if before.is_some() { Carry::Next } else { Carry::Cut });
+                technique.record_picture(recorder, &now, frame.show)?;
             }
         }
-        self.last = Some(now.clone());
+        self.last = Some(now);
         self.frames = self.frames.wrapping_add(1);
         Ok(())
     }
@@ -211,8 +224,8 @@ impl Effect {
         })
     }
 
-    /// The picture's depth, 0 near to 1 far by the camera of the last frame; 1 where nothing is. The host's own where
-    /// it draws the guides. `None` before the preparation is over.
+    /// The picture's depth, 0 near to 1 far by [`Effect::camera`]; 1 where nothing is. The host's own where it draws the
+    /// guides. `None` before the preparation is over.
     pub fn depth(&self) -> Option<&Image> {
         Some(match self.prepared()? {
             Prepared::Object(technique, _) => technique.depth(),
@@ -221,7 +234,8 @@ impl Effect {
         })
     }
 
-    /// The camera of the last frame.
+    /// The camera of the last frame, as the picture's depth has it: its planes are those of the host's camera, closed in
+    /// on the mesh where the effect draws depth itself.
     pub fn camera(&self) -> Option<&Camera> {
         self.last.as_ref().map(|moment| &moment.camera)
     }

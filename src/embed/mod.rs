@@ -196,6 +196,11 @@ impl Inputs {
         self.vectors.as_ref().map_or(Ok(()), |(vectors, _)| vectors.check_content("vectors"))
     }
 
+    fn images(&self) -> impl Iterator<Item = &Image> {
+        let guides = self.guides.iter().flat_map(|guides| [guides.shade(), guides.id(), guides.depth()]);
+        guides.chain(self.vectors.iter().map(|(vectors, _)| vectors))
+    }
+
     fn check(&self, desc: &EffectDesc) -> Result<()> {
         if let Some(guides) = &self.guides {
             if !desc.method.takes_guides() {

@@ -1,6 +1,6 @@
 //! Where the memory of buffers and images comes from: an allocator of our own, or the host's.
 
-use super::context::{lock, Context, LogLevel};
+use super::context::{lock, Context, Inner, LogLevel};
 use crate::{Error, Result};
 use ash::vk;
 use gpu_allocator::vulkan::{AllocationCreateDesc, AllocationScheme, Allocator};
@@ -104,6 +104,14 @@ impl Memory {
         self.allocated.load(Ordering::Relaxed)
     }
 
+    /// Takes so many bytes out of the budget, or answers with how many are left: several threads may ask at once.
+    fn reserve(&self, bytes: u64, budget: u64) -> Result<(), u64> {
+        let more = |now: u64| now.checked_add(bytes).filter(|sum| *sum <= budget);
+        let reserved = self.allocated.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more);
+        reserved.map(drop).map_err(|now| budget.saturating_sub(now))
+    }
+
+    /// A piece of memory whose bytes are reserved.
     fn allocate(
         &self,
         name: &str,
@@ -139,7 +147,6 @@ impl Memory {
                 Piece::Host(allocation)
             }
         };
-        self.allocated.fetch_add(needs.size, Ordering::Relaxed);
         Ok(Allocation { piece, bytes: needs.size })
     }
 
@@ -225,8 +232,11 @@ pub(crate) fn allocate(
     kind: MemoryKind,
     image: bool,
 ) -> Result<Allocation> {
-    check_budget(context, name, needs.size)?;
-    context.inner().memory.allocate(name, needs, kind, image).map_err(|failure| {
+    let Inner { memory, budget, .. } = context.inner();
+    let over = |available| Error::Memory { what: name.to_owned(), needed: needs.size, available };
+    memory.reserve(needs.size, *budget).map_err(over)?;
+    memory.allocate(name, needs, kind, image).map_err(|failure| {
+        memory.allocated.fetch_sub(needs.size, Ordering::Relaxed);
         let error = match failure {
             Failure::TornDown => return Error::Device("the context is being torn down".to_owned()),
             Failure::NotMapped => return Error::Device(format!("{name}: the host's memory is not mapped")),

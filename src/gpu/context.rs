@@ -68,7 +68,7 @@ pub struct HostDevice {
     pub memory_budget: Option<u64>,
     /// Where messages go; `None`: nowhere.
     pub log: Option<LogCallback>,
-    /// Where all memory comes from; `None`: from an allocator of our own, in blocks of 256 MiB and of 64 MiB.
+    /// Where all memory comes from; `None`: from an allocator of our own, in blocks of 4 to 256 MiB.
     pub memory: Option<Arc<dyn HostMemory>>,
 }
 
@@ -237,7 +237,9 @@ pub(crate) fn vulkan(call: &'static str) -> impl Fn(vk::Result) -> Error {
 
 /// A device to work with; cheap to clone, all clones are the same context.
 ///
-/// A context and what is made from it may move between threads, but is used by one thread at a time.
+/// A context and what is made from it may move between threads. One thread at a time records with it, and calls
+/// [`Context::advance`]; others may make and drop objects meanwhile, as the preparing thread of an
+/// [`Effect`](crate::embed::Effect) does.
 #[derive(Clone)]
 pub struct Context {
     inner: Arc<Inner>,
@@ -425,7 +427,13 @@ impl Context {
 
     /// Tells where the GPU is: from here on objects belong to `current_frame`, and everything recorded in frames up to
     /// and including `safe_frame` has run. Objects dropped in safe frames are destroyed now.
+    ///
+    /// Numbers may begin anywhere and leave some out, but never go down; the first call stands before the first
+    /// recording. A host that counts from 0 may tell 0 as safe as long as nothing is: what is recorded after this call
+    /// counts as of a later frame than `safe_frame`, whatever the numbers. A safe frame beyond the current one means
+    /// the current one.
     pub fn advance(&self, current_frame: u64, safe_frame: u64) {
+        let safe_frame = safe_frame.min(current_frame);
         self.inner.frame.store(current_frame, Ordering::Relaxed);
         self.inner.safe_frame.store(safe_frame, Ordering::Relaxed);
         let mut graveyard = lock(&self.inner.graveyard);
@@ -484,14 +492,25 @@ impl Context {
         self.inner.log(level, text);
     }
 
-    /// The current frame's number.
+    /// The number that what is recorded or dropped now goes by: the current frame's, but never one that is safe already.
     pub(crate) fn frame(&self) -> u64 {
-        self.inner.frame.load(Ordering::Relaxed)
+        self.inner.frame.load(Ordering::Relaxed).max(self.safe_frame().saturating_add(1))
     }
 
     /// The last frame that is known to have run.
     pub(crate) fn safe_frame(&self) -> u64 {
         self.inner.safe_frame.load(Ordering::Relaxed)
+    }
+
+    /// Checks that something else, which a caller brought as `name`, is of this context too.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] when it is of another, whose handles mean nothing here.
+    pub(crate) fn check_same(&self, name: &'static str, other: &Context) -> Result<()> {
+        match Arc::ptr_eq(&self.inner, &other.inner) {
+            true => Ok(()),
+            false => Err(Error::parameter(name, "of another context", "of the same context")),
+        }
     }
 
     pub(crate) fn inner(&self) -> &Inner {

@@ -325,6 +325,16 @@ impl Image {
         *self.state() = state;
     }
 
+    /// The context that it was made from.
+    pub(crate) fn context(&self) -> &Context {
+        &self.0.context
+    }
+
+    /// Whether both are one and the same to Vulkan; a host may have wrapped an image more than once.
+    pub(crate) fn is_same(&self, other: &Image) -> bool {
+        self.0.handle == other.0.handle
+    }
+
     /// Checks that the image, which a caller brought as `name`, is of one of these formats and made for this use.
     ///
     /// # Errors

@@ -241,7 +241,8 @@ impl BindingSet {
     /// Binds `bound` to bindings 0, 1, ... of `pipeline`. Allocates, so never while recording a frame.
     ///
     /// # Errors
-    /// [`Error::Device`] when the resources do not fit the shader's bindings, [`Error::Vulkan`] when a call fails.
+    /// [`Error::Device`] when the resources do not fit the shader's bindings, [`Error::Parameter`] when one is of another
+    /// context, [`Error::Vulkan`] when a call fails.
     pub fn new(context: &Context, pipeline: &impl Bindable, bound: &[Bound]) -> Result<Self> {
         let bindings = pipeline.bindings();
         let fits = bound.len() == bindings.len()
@@ -255,6 +256,10 @@ impl BindingSet {
             });
         if !fits {
             return Err(Error::Device(format!("the resources bound to {} do not fit its bindings", pipeline.name())));
+        }
+        for one in bound {
+            let (Bound::Image(image) | Bound::Sampled(image, _)) = one else { continue };
+            context.check_same("image", image.context())?;
         }
         let device = context.usable()?;
         let sizes: Vec<_> = bindings

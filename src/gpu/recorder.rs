@@ -49,8 +49,8 @@ impl<'a> Recorder<'a> {
     /// # Safety
     /// `commands` must be a live primary command buffer of the context's device and queue family, in the recording
     /// state, outside of a render pass, used by nobody else while the recorder lives. Command buffers must be
-    /// submitted in the order in which they were recorded, to one queue, and the context's objects used here must
-    /// live until they have run (dropping them is fine: they are destroyed when the frame is safe).
+    /// submitted in the order in which they were recorded, to one queue. Only what was made from this context may be
+    /// recorded, and must live until it has run (dropping it is fine: it is destroyed when the frame is safe).
     pub unsafe fn new(context: &'a Context, commands: vk::CommandBuffer, timer: Option<&'a mut PassTimer>) -> Self {
         let mut recorder = Recorder { context, commands, timer, omit_barriers: false, area: None };
         if let Some(timer) = recorder.timer.as_deref_mut() {

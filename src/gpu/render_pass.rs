@@ -139,8 +139,9 @@ impl Framebuffer {
     /// Binds `images`, all of one size, to the attachments of `pass`.
     ///
     /// # Errors
-    /// [`crate::Error::Vulkan`] when a call fails.
+    /// [`crate::Error::Parameter`] for an image of another context; [`crate::Error::Vulkan`] when a call fails.
     pub fn new(context: &Context, pass: &RenderPass, images: &[&Image]) -> Result<Self> {
+        images.iter().try_for_each(|image| context.check_same("image", image.context()))?;
         let size = images.first().map_or([1, 1, 1], |image| image.size_px());
         let views: Vec<_> = images.iter().map(|image| image.view()).collect();
         let info = vk::FramebufferCreateInfo::default()

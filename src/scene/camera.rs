@@ -134,12 +134,25 @@ impl Camera {
         let (nearest, farthest) =
             depths.fold((f64::INFINITY, 0.0_f64), |(low, high), depth| (low.min(depth), high.max(depth)));
         if farthest > 0.0 {
-            // A little more room than needed: rounding must not clip anything.
-            let room = 0.01 * (farthest - nearest) + 1e-5 * farthest;
+            let room = Self::room(nearest, farthest);
             self.far = (farthest + room) as f32;
             self.near = (nearest - room).max(MIN_NEAR * farthest) as f32;
         }
         self
+    }
+
+    /// The same camera with its planes brought close to what lies at these distances along the view axis, but no farther
+    /// apart than they are: nothing is seen that was not, and nothing is lost.
+    pub(super) fn closed_in(self, nearest: f64, farthest: f64) -> Self {
+        let room = Self::room(nearest, farthest);
+        let near = (nearest - room).max(f64::from(self.near));
+        let far = (farthest + room).min(f64::from(self.far));
+        self.with_planes(near as f32, far as f32).unwrap_or(self)
+    }
+
+    /// A little more room than needed: rounding must not clip anything.
+    fn room(nearest: f64, farthest: f64) -> f64 {
+        0.01 * (farthest - nearest) + 1e-5 * farthest
     }
 
     /// The same camera with these near and far planes, for a host that knows the ones it draws with.

@@ -61,6 +61,7 @@ pub use host_motion::{HostMotion, HostMotionParams};
 pub use light::{DirectionalLight, Lights, MAX_LIGHTS};
 pub use mesh::{BoundingSphere, Loaded, Mesh, MeshOptions, Object, MAX_OBJECTS};
 pub(crate) use mesh_pass::{MeshDesc, MeshPass, Run};
+pub(crate) use moment::Spheres;
 pub use moment::{Moment, Pose};
 pub use motion::MotionPass;
 pub(crate) use motion::MOTION;

@@ -114,6 +114,43 @@ impl Moment {
     }
 }
 
+/// Spheres around the objects of a mesh: enough to tell, for each frame, between which distances they lie.
+pub(crate) struct Spheres(Vec<Sphere>);
+
+struct Sphere {
+    object: usize,
+    center: DVec3,
+    radius: f64,
+}
+
+impl Spheres {
+    /// Looks at every vertex.
+    pub fn new(mesh: &Mesh) -> Self {
+        let drawn = mesh.objects().iter().enumerate().filter(|(_, object)| object.index_count > 0);
+        let sphere = |(object, _)| {
+            let points = || mesh.positions()[mesh.vertices_of(object)].iter().map(|&p| Vec3::from(p).as_dvec3());
+            let low = points().fold(DVec3::INFINITY, DVec3::min);
+            let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);
+            let center = (low + high) / 2.0;
+            Sphere { object, center, radius: points().map(|p| p.distance(center)).fold(0.0, f64::max) }
+        };
+        Spheres(drawn.map(sphere).collect())
+    }
+
+    /// The moment's camera with its planes close around the objects, as far as they were farther apart: what a camera of
+    /// a host with a far plane at infinity needs, or two surfaces far away have one depth.
+    pub fn close_in(&self, moment: &Moment) -> Camera {
+        let (eye, forward) = (moment.camera.eye().as_dvec3(), moment.camera.forward().as_dvec3());
+        let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+        for Sphere { object, center, radius } in &self.0 {
+            let Pose { rotation, translation } = moment.pose(*object);
+            let along = (rotation * *center + translation - eye).dot(forward);
+            (nearest, farthest) = (nearest.min(along - radius), farthest.max(along + radius));
+        }
+        moment.camera.closed_in(nearest, farthest)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -161,6 +198,32 @@ mod tests {
         for bad in [mirror, twice, slanted, projecting].into_iter().chain(far) {
             assert!(Pose::from_matrix(&bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn planes_close_in_on_the_objects_and_never_open() {
+        let text = "o a\nv -1 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv -1 0 0\nv 1 0 0\nv 0 1 0\nf 4 5 6\n";
+        let mesh = Mesh::parse(text.as_bytes(), "two.obj", &MeshOptions::default()).expect("a mesh").mesh;
+        let spheres = Spheres::new(&mesh);
+        let camera = Camera::look_at(10.0 * Vec3::Z, Vec3::ZERO, None, 30.0).expect("a camera");
+        let pose = |z| Pose::new(0.0, Vec3::Y, Vec3::ZERO, z * Vec3::Z).expect("a pose");
+        let planes = |near, far, poses: Vec<Pose>| {
+            let camera = camera.with_planes(near, far).expect("planes");
+            let closed = spheres.close_in(&Moment { poses, ..Moment::at_rest(camera, Lights::default()) });
+            let fitted = camera.fit_depth(&mesh);
+            assert_eq!((closed.eye(), closed.forward()), (fitted.eye(), fitted.forward()));
+            [closed.near(), closed.far()]
+        };
+        // Half as high as wide: a radius of sqrt(1.25) about the middle.
+        let radius = 1.25_f32.sqrt();
+        let [near, far] = planes(1e-3, 1e3, vec![pose(4.0), pose(-20.0)]);
+        assert!((6.0 - radius - 0.5..6.0).contains(&near), "{near}");
+        assert!((30.0..30.0 + radius + 0.5).contains(&far), "{far}");
+        assert_eq!(planes(7.0, 8.0, vec![pose(4.0), pose(-20.0)]), [7.0, 8.0], "as the host has it");
+        // Objects around the eye, and none between the planes.
+        assert_eq!(planes(1e-3, 1e3, vec![pose(10.0)])[0], 1e-3);
+        assert_eq!(planes(100.0, 200.0, Vec::new()), [100.0, 200.0]);
+        assert_eq!(planes(1.0, 2.0, vec![pose(40.0), pose(40.0)]), [1.0, 2.0]);
     }
 
     #[test]

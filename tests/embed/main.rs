@@ -9,6 +9,7 @@ mod frames;
 #[path = "../host/mod.rs"]
 mod host;
 mod memory;
+mod threads;
 
 use ash::vk;
 use common::noise;

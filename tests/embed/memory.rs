@@ -1,6 +1,8 @@
 //! What is told of memory, against what is taken.
 
 use super::*;
+use host::memory::Pieces;
+use impasto::gpu::HostDevice;
 
 /// Prepares an effect; what it takes when it is ready, and the most that was seen on the way.
 fn taken(host: &Host, context: &Context, desc: EffectDesc) -> (u64, u64) {
@@ -78,5 +80,26 @@ fn a_budget_that_is_too_small_is_told_before_too() {
             assert!(matches!(told, Err(impasto::Error::Memory { .. })), "{told:?}");
         }
     }
+    assert_silent(&host.destroy());
+}
+
+#[test]
+fn memory_of_the_hosts_paints_the_same_and_comes_back() {
+    let (host, mesh) = (Host::new(), head());
+    let memory = Arc::new(Pieces::new(&host));
+    for (name, method) in methods() {
+        let frames = [host.lent(), HostDevice { memory: Some(memory.clone()), ..host.lent() }].map(|lent| {
+            // SAFETY: as in `borrow`.
+            let context = unsafe { Context::from_host(lent) }.expect("a context");
+            let mut effect = Effect::new(&context, desc(&mesh, &method)).expect("an effect");
+            let mut frame = 0;
+            prepare(&host, &context, &mut effect, &mut frame);
+            [0, 1].map(|number| picture(&host, &context, &mut effect, &EffectFrame::next(&moment(&mesh, number))))
+        });
+        assert!(frames[0] == frames[1], "{name}");
+        assert_eq!(memory.now(), (0, 0), "{name} keeps memory");
+    }
+    assert!(memory.counts()["image"] > 20, "{:?}", memory.counts());
+    drop(memory);
     assert_silent(&host.destroy());
 }

@@ -240,6 +240,14 @@ impl Host {
         }
     }
 
+    /// Whether such depth can be drawn to and copied.
+    pub fn draws_depth(&self, format: vk::Format) -> bool {
+        use vk::FormatFeatureFlags as F;
+        let needed = F::DEPTH_STENCIL_ATTACHMENT | F::TRANSFER_SRC | F::TRANSFER_DST;
+        let offered = unsafe { self.instance.get_physical_device_format_properties(self.physical, format) };
+        offered.optimal_tiling_features.contains(needed)
+    }
+
     /// An image that nothing was written to.
     pub fn image(&self, format: vk::Format, usage: vk::ImageUsageFlags, size: (u32, u32)) -> HostImage {
         unsafe {
@@ -265,15 +273,16 @@ impl Host {
         }
     }
 
-    /// Writes all texels, wherever the image lay; it is left in the layout of a copy's destination.
+    /// Writes all texels, and after them the bytes of a stencil, wherever the image lay; it is left in the layout of a
+    /// copy's destination.
     pub fn write_image(&self, to: &HostImage, texels: &[u8]) {
         let staging = self.buffer(texels.len() as u64, vk::BufferUsageFlags::TRANSFER_SRC);
         self.map(&staging, |bytes| bytes.copy_from_slice(texels));
         let (layout, aspect) = (vk::ImageLayout::TRANSFER_DST_OPTIMAL, aspect(to.format));
         self.run(|commands| {
             self.barrier(commands, to.image, aspect, [vk::ImageLayout::UNDEFINED, layout]);
-            let region = [region(to.size, aspect)];
-            unsafe { self.device.cmd_copy_buffer_to_image(commands, staging.buffer, to.image, layout, &region) };
+            let regions = regions(to.size, aspect, texel_bytes(to.format));
+            unsafe { self.device.cmd_copy_buffer_to_image(commands, staging.buffer, to.image, layout, &regions) };
         });
         self.destroy_buffer(staging);
     }
@@ -328,7 +337,7 @@ impl Host {
 
     /// The same of an image of the host's own, colour or depth.
     pub fn read_own(&self, image: &HostImage, layout: vk::ImageLayout) -> Vec<u8> {
-        self.read(image.image, aspect(image.format), layout, image.size)
+        self.read_texels(image.image, aspect(image.format), layout, image.size, texel_bytes(image.format))
     }
 
     pub fn read(
@@ -338,12 +347,25 @@ impl Host {
         layout: vk::ImageLayout,
         size: (u32, u32),
     ) -> Vec<u8> {
-        let buffer = self.buffer(u64::from(size.0 * size.1) * 4, vk::BufferUsageFlags::TRANSFER_DST);
+        self.read_texels(image, aspect, layout, size, 4)
+    }
+
+    fn read_texels(
+        &self,
+        image: vk::Image,
+        aspect: vk::ImageAspectFlags,
+        layout: vk::ImageLayout,
+        size: (u32, u32),
+        texel_bytes: u64,
+    ) -> Vec<u8> {
+        let stencil = u64::from(aspect.contains(vk::ImageAspectFlags::STENCIL));
+        let bytes = u64::from(size.0 * size.1) * (texel_bytes + stencil);
+        let buffer = self.buffer(bytes, vk::BufferUsageFlags::TRANSFER_DST);
         let from = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         self.run(|commands| {
             self.barrier(commands, image, aspect, [layout, from]);
-            let region = [region(size, aspect)];
-            unsafe { self.device.cmd_copy_image_to_buffer(commands, image, from, buffer.buffer, &region) };
+            let regions = regions(size, aspect, texel_bytes);
+            unsafe { self.device.cmd_copy_image_to_buffer(commands, image, from, buffer.buffer, &regions) };
             self.barrier(commands, image, aspect, [from, layout]);
         });
         let bytes = self.map(&buffer, |bytes| bytes.to_vec());
@@ -372,10 +394,20 @@ pub fn usage() -> vk::ImageUsageFlags {
 }
 
 fn aspect(format: vk::Format) -> vk::ImageAspectFlags {
-    if format == vk::Format::D32_SFLOAT {
-        vk::ImageAspectFlags::DEPTH
-    } else {
-        vk::ImageAspectFlags::COLOR
+    use vk::{Format as F, ImageAspectFlags as A};
+    match format {
+        F::D32_SFLOAT | F::D16_UNORM | F::X8_D24_UNORM_PACK32 => A::DEPTH,
+        F::D24_UNORM_S8_UINT | F::D32_SFLOAT_S8_UINT => A::DEPTH | A::STENCIL,
+        _ => A::COLOR,
+    }
+}
+
+/// Bytes of a texel's colour or depth in a buffer.
+fn texel_bytes(format: vk::Format) -> u64 {
+    match format {
+        vk::Format::D16_UNORM => 2,
+        vk::Format::R32G32_SFLOAT | vk::Format::R16G16B16A16_SFLOAT => 8,
+        _ => 4,
     }
 }
 
@@ -383,10 +415,16 @@ fn whole(aspect_mask: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
     vk::ImageSubresourceRange { aspect_mask, level_count: 1, layer_count: 1, ..Default::default() }
 }
 
-fn region(size: (u32, u32), aspect_mask: vk::ImageAspectFlags) -> vk::BufferImageCopy {
-    vk::BufferImageCopy {
+/// Colour or depth, and then the stencil, one after the other in a buffer.
+fn regions(size: (u32, u32), aspect: vk::ImageAspectFlags, texel_bytes: u64) -> Vec<vk::BufferImageCopy> {
+    use vk::ImageAspectFlags as A;
+    let texels = u64::from(size.0 * size.1);
+    let parts = [A::COLOR, A::DEPTH, A::STENCIL].into_iter().filter(|part| aspect.contains(*part));
+    let region = |aspect_mask| vk::BufferImageCopy {
+        buffer_offset: if aspect_mask == A::STENCIL { texels * texel_bytes } else { 0 },
         image_subresource: vk::ImageSubresourceLayers { aspect_mask, layer_count: 1, ..Default::default() },
         image_extent: vk::Extent3D { width: size.0, height: size.1, depth: 1 },
         ..Default::default()
-    }
+    };
+    parts.map(region).collect()
 }
