@@ -4,7 +4,7 @@ CARGO ?= cargo
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help demo test format lint docs units check-shaders shaders header capi assets pictures \
-	embed-wgpu bench clean
+	wgpu-host embed-wgpu embed-bevy bench clean
 
 help:
 	@echo "make demo     install what is missing, build, and paint the pictures that demo/index.html shows"
@@ -16,6 +16,7 @@ help:
 	@echo "make assets   make the models and paint strips in assets/ again"
 	@echo "make pictures make the pictures of README.md again"
 	@echo "make embed-wgpu  build and check the wgpu program that impasto paints into (examples/impasto_wgpu)"
+	@echo "make embed-bevy  build and check the plugin for Bevy (examples/impasto_bevy); takes long"
 	@echo "make clean    delete what was built"
 
 # `impasto bench` tells which commit it was built from, with + if files had been changed; nothing, outside of git.
@@ -27,7 +28,7 @@ demo:
 
 test:
 	@scripts/setup test
-	@$(MAKE) --no-print-directory format lint docs units check-shaders
+	@$(MAKE) --no-print-directory format lint docs units check-shaders wgpu-host
 	@echo "make test: all checks passed"
 
 format:
@@ -76,9 +77,21 @@ wgpu_host := $(or $(CARGO_TARGET_DIR),target)/impasto_wgpu
 
 embed-wgpu:
 	@scripts/setup test
+	@$(MAKE) --no-print-directory wgpu-host
+
+wgpu-host:
 	$(CARGO) fmt --check --manifest-path examples/impasto_wgpu/Cargo.toml
 	$(CARGO) run --locked --manifest-path examples/impasto_wgpu/Cargo.toml --target-dir $(wgpu_host) -- \
 		--check $(wgpu_host)/pictures
+
+# Another one, and outside of the tests, since Bevy takes long to build.
+bevy_host := $(or $(CARGO_TARGET_DIR),target)/impasto_bevy
+
+embed-bevy:
+	@scripts/setup test
+	$(CARGO) fmt --check --manifest-path examples/impasto_bevy/Cargo.toml
+	$(CARGO) run --locked --manifest-path examples/impasto_bevy/Cargo.toml --target-dir $(bevy_host) --example head -- \
+		$(bevy_host)/pictures --validate
 
 bench:
 	@scripts/setup demo

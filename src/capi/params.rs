@@ -367,10 +367,12 @@ mod tests {
 
     #[test]
     fn defaults_are_the_librarys() {
-        use std::ptr::null;
         // SAFETY: null is the defaults.
-        let methods = unsafe { [object(null()), image(null()), aligned(null()), dependent(null())] };
-        let [object, image, aligned, dependent] = methods.map(|method| method.expect("defaults"));
+        let methods = unsafe {
+            use std::ptr::null;
+            [object(null()), image(null()), aligned(null()), dependent(null())].map(|m| m.expect("defaults"))
+        };
+        let [object, image, aligned, dependent] = methods;
         let Method::Object { params, range } = object else { panic!("another technique") };
         assert_eq!((params, range), (ObjectParams::default(), ShadeRange::default()));
         let Method::Image { params, carry } = image else { panic!("another technique") };

@@ -165,8 +165,8 @@ impl Composite {
     /// told with [`Image::set_state`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a target that there is not, a depth that is not finite or runs the other way than the
-    /// pass was made for; [`Error::Device`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
+    /// [`Error::Parameter`] for a target that there is not, or one in a layout without content; for a depth that is not
+    /// finite or runs the other way than the pass was made for; [`Error::Device`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, effect: &Effect, target: usize, depth: &HostDepth) -> Result<()> {
         effect.context().usable()?;
         let count = self.framebuffers.len();
@@ -180,6 +180,9 @@ impl Composite {
         if self.depth.is_some_and(|reversed| reversed != depth.is_reversed()) {
             let way = if depth.is_reversed() { "nearer is more" } else { "nearer is less" };
             return Err(Error::parameter("depth", way, "the way that the pass was made for"));
+        }
+        for (name, image) in ["target's colour", "target's depth"].into_iter().zip(framebuffer.images()) {
+            image.check_content(name)?;
         }
         let push = Push { to_host: depth.of_depth(camera) };
         let draw = Draw { set: Some(&self.set), push, range: 0..3 };

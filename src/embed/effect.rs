@@ -2,7 +2,7 @@
 
 use super::preparation::{prepare, Guides, Motion, Prepared};
 use super::recordings::{recordings, Desk, Recordings};
-use super::{EffectDesc, MemoryNeeds, Progress};
+use super::{EffectDesc, Inputs, MemoryNeeds, Progress};
 use crate::gpu::{measuring, Context, Image, Recorder};
 use crate::scene::{Camera, Mesh, Moment};
 use crate::technique::aligned::{screen_displacements, AlignedFrame};
@@ -20,6 +20,7 @@ use std::thread::JoinHandle;
 pub struct Effect {
     context: Context,
     mesh: Arc<Mesh>,
+    inputs: Inputs,
     size_px: (u32, u32),
     state: State,
     /// The moment of the last frame, unless none is to go on from.
@@ -64,7 +65,7 @@ impl Effect {
     /// [`Error::Io`] when the system has no thread to give; [`Error::DeviceLost`].
     pub fn new(context: &Context, desc: EffectDesc) -> Result<Self> {
         Self::check(context, &desc)?;
-        let (mesh, size_px) = (desc.mesh.clone(), desc.size_px);
+        let (mesh, inputs, size_px) = (desc.mesh.clone(), desc.inputs.clone(), desc.size_px);
         let (recordings, desk) = recordings();
         let on_thread = context.clone();
         let thread = std::thread::Builder::new()
@@ -72,7 +73,7 @@ impl Effect {
             .spawn(move || prepare(&on_thread, &desc, &recordings))
             .map_err(|error| Error::io("a thread", error))?;
         let state = State::Preparing(desk, Some(thread));
-        Ok(Effect { context: context.clone(), mesh, size_px, state, last: None, frames: 0 })
+        Ok(Effect { context: context.clone(), mesh, inputs, size_px, state, last: None, frames: 0 })
     }
 
     /// How much GPU memory an effect takes, without making anything of it but, for a moment, empty buffers and images
@@ -154,7 +155,8 @@ impl Effect {
     ///
     /// # Errors
     /// [`Error::Device`] before the preparation is over, [`Error::Parameter`] when a camera has no projection for the
-    /// picture's shape, [`Error::DeviceLost`]; nothing is recorded then.
+    /// picture's shape or an image of the host's is in a layout without content, [`Error::DeviceLost`]; nothing is
+    /// recorded then.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, frame: &EffectFrame<'_>) -> Result<()> {
         self.context.usable()?;
         let State::Ready(prepared) = &mut self.state else {
@@ -162,6 +164,7 @@ impl Effect {
         };
         let (now, size) = (frame.moment, self.size_px);
         now.camera.projection(size.0 as f32 / size.1 as f32)?;
+        self.inputs.check_content()?;
         let before = if frame.reset { None } else { self.last.as_ref() };
         match &mut **prepared {
             Prepared::Object(technique, range) => technique.record(recorder, now, *range, frame.show)?,

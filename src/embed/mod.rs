@@ -187,6 +187,15 @@ pub struct Inputs {
 }
 
 impl Inputs {
+    /// Checks that all images hold something, as far as the host has told.
+    fn check_content(&self) -> Result<()> {
+        if let Some(guides) = &self.guides {
+            let images = [("guide shade", guides.shade()), ("guide id", guides.id()), ("guide depth", guides.depth())];
+            images.into_iter().try_for_each(|(name, image)| image.check_content(name))?;
+        }
+        self.vectors.as_ref().map_or(Ok(()), |(vectors, _)| vectors.check_content("vectors"))
+    }
+
     fn check(&self, desc: &EffectDesc) -> Result<()> {
         if let Some(guides) = &self.guides {
             if !desc.method.takes_guides() {

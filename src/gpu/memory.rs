@@ -350,6 +350,19 @@ impl Image {
         Ok(())
     }
 
+    /// Checks that the image, which a caller brought as `name`, holds something, as far as was told.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for one whose layout has no content.
+    pub(crate) fn check_content(&self, name: &'static str) -> Result<()> {
+        let layout = self.layout();
+        if matches!(layout, vk::ImageLayout::UNDEFINED | vk::ImageLayout::PREINITIALIZED) {
+            let allowed = "in a layout with content, as told by Image::from_host or set_state";
+            return Err(Error::parameter(name, format!("in layout {layout:?}"), allowed));
+        }
+        Ok(())
+    }
+
     /// Checks that the image, which a caller brought as `name`, has this size.
     ///
     /// # Errors

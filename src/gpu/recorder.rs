@@ -40,6 +40,7 @@ pub struct Recorder<'a> {
     commands: vk::CommandBuffer,
     timer: Option<&'a mut PassTimer>,
     omit_barriers: bool,
+    area: Option<vk::Rect2D>,
 }
 
 impl<'a> Recorder<'a> {
@@ -51,7 +52,7 @@ impl<'a> Recorder<'a> {
     /// submitted in the order in which they were recorded, to one queue, and the context's objects used here must
     /// live until they have run (dropping them is fine: they are destroyed when the frame is safe).
     pub unsafe fn new(context: &'a Context, commands: vk::CommandBuffer, timer: Option<&'a mut PassTimer>) -> Self {
-        let mut recorder = Recorder { context, commands, timer, omit_barriers: false };
+        let mut recorder = Recorder { context, commands, timer, omit_barriers: false, area: None };
         if let Some(timer) = recorder.timer.as_deref_mut() {
             timer.reset(context, commands);
         }
@@ -61,6 +62,28 @@ impl<'a> Recorder<'a> {
     /// The context that is recorded for.
     pub fn context(&self) -> &Context {
         self.context
+    }
+
+    /// Draws from here on into this part of images, as (x, y) and (width, height) in pixels, as if they were no larger;
+    /// what lies around it is undefined, or kept by passes that draw over what is there. `None`: into all of them.
+    /// Compute shaders pay no heed to it.
+    pub(crate) fn draw_within(&mut self, area: Option<[(u32, u32); 2]>) {
+        self.area = area.map(|[(x, y), (width, height)]| vk::Rect2D {
+            offset: vk::Offset2D { x: x as i32, y: y as i32 },
+            extent: vk::Extent2D { width, height },
+        });
+    }
+
+    /// What of a picture of this size is drawn into; its part of [`Recorder::draw_within`].
+    pub(crate) fn drawn_area(&self, [width, height]: [u32; 2]) -> vk::Rect2D {
+        let all = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let Some(area) = self.area else { return all };
+        let within = |at: i32, size: u32, most: u32| size.min(most.saturating_sub(at as u32)).max(1);
+        let extent = vk::Extent2D {
+            width: within(area.offset.x, area.extent.width, width),
+            height: within(area.offset.y, area.extent.height, height),
+        };
+        vk::Rect2D { extent, ..area }
     }
 
     /// Leaves out every barrier from here on. Only for the test that shows that validation would notice.

@@ -161,6 +161,13 @@ impl Framebuffer {
     }
 }
 
+impl Framebuffer {
+    /// What it draws to.
+    pub fn images(&self) -> &[Image] {
+        &self.images
+    }
+}
+
 impl Drop for Framebuffer {
     fn drop(&mut self) {
         self.context.bury(Garbage::Framebuffer(self.handle));
@@ -393,12 +400,12 @@ impl Recorder<'_> {
                 }
             })
             .collect();
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: target.extent };
+        let area = self.drawn_area([target.extent.width, target.extent.height]);
         let viewport = vk::Viewport {
-            x: 0.0,
-            y: 0.0,
-            width: target.extent.width as f32,
-            height: target.extent.height as f32,
+            x: area.offset.x as f32,
+            y: area.offset.y as f32,
+            width: area.extent.width as f32,
+            height: area.extent.height as f32,
             min_depth: 0.0,
             max_depth: 1.0,
         };

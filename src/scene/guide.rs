@@ -152,7 +152,7 @@ impl GuidePass {
     /// [`crate::Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded
     /// then.
     pub fn record(&self, recorder: &mut Recorder<'_>, moment: &Moment) -> Result<()> {
-        let runs = self.mesh.runs(moment, |_| ())?;
+        let runs = self.mesh.runs(self.mesh.size_px(recorder), moment, |_| ())?;
         let draw =
             |run: Run<()>| Draw { set: None, push: Push { to_clip: run.to_clip, light: run.light }, range: run.range };
         self.mesh.record(recorder, moment, &runs.into_iter().map(draw).collect::<Vec<_>>());

@@ -97,12 +97,24 @@ impl MeshPass {
         &self.depth
     }
 
-    /// The draws that a moment takes: one for each run of objects with the same pose and `kind`.
+    /// Width and height of what `recorder` draws of the pictures, pixels.
+    pub fn size_px(&self, recorder: &Recorder<'_>) -> [u32; 2] {
+        let [width, height, _] = self.depth.size_px();
+        let drawn = recorder.drawn_area([width, height]).extent;
+        [drawn.width, drawn.height]
+    }
+
+    /// The draws that a moment takes in a picture of this size: one for each run of objects with the same pose and
+    /// `kind`.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] when the camera has no projection for the pictures' shape.
-    pub fn runs<K: PartialEq>(&self, moment: &Moment, kind: impl Fn(usize) -> K) -> Result<Vec<Run<K>>> {
-        let [width, height, _] = self.depth.size_px();
+    /// [`crate::Error::Parameter`] when the camera has no projection for the picture's shape.
+    pub fn runs<K: PartialEq>(
+        &self,
+        [width, height]: [u32; 2],
+        moment: &Moment,
+        kind: impl Fn(usize) -> K,
+    ) -> Result<Vec<Run<K>>> {
         let view_projection = moment.camera.view_projection(width as f32 / height as f32)?.as_dmat4();
         let light = moment.lights.mean_direction();
         let mut runs: Vec<Run<K>> = Vec::new();

@@ -161,7 +161,8 @@ fn targets_that_do_not_fit_are_refused() {
     refused(&effect, &[plain(&good), plain(&other)], "formats");
     let swapped = Target { color: wrapped(&context, &good), depth: Some(wrapped(&context, &good)) };
     refused(&effect, &[swapped], "depth");
-    let both = Target { color: wrapped(&context, &good), depth: Some(wrapped(&context, &depth)) };
+    let color = wrapped(&context, &good);
+    let both = Target { color: color.clone(), depth: Some(wrapped(&context, &depth)) };
     let composite = new(&effect, &[both]).expect("a composite");
     let moment = moment(&mesh, 0);
     host.run(|commands| {
@@ -177,8 +178,11 @@ fn targets_that_do_not_fit_are_refused() {
         told(&effect, 1, &depth, "target");
         told(&effect, 0, &HostDepth { a: 0.0, b: 0.1 }, "nearer is more");
         told(&effect, 0, &HostDepth { a: f32::NAN, b: -0.1 }, "finite");
+        // SAFETY: nothing is recorded with it.
+        unsafe { color.set_state(ResourceState::fresh()) };
+        told(&effect, 0, &depth, "UNDEFINED");
     });
-    drop((composite, effect, context));
+    drop((composite, effect, color, context));
     [good, other, small, words, sampled, depth].into_iter().for_each(|image| host.destroy_image(image));
     assert_silent(&host.destroy());
 }

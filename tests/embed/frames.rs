@@ -293,6 +293,18 @@ fn a_host_draws_guides_and_vectors_for_it() {
         }
         let mut led = Effect::new(&context, described).expect("an effect");
         prepare(&host, &context, &mut led, &mut frame);
+        if method.takes_vectors() {
+            // SAFETY: nothing is recorded with it until it is put right.
+            unsafe { lent.set_state(ResourceState::fresh()) };
+            host.run(|commands| {
+                let still = moment(&mesh, 4);
+                let told = led.record(&mut recorder(&context, commands), &EffectFrame::next(&still));
+                let told = told.expect_err("no content").to_string();
+                assert!(told.contains("vectors") && told.contains("UNDEFINED"), "{told}");
+            });
+            // SAFETY: so the host has left it.
+            unsafe { lent.set_state(written()) };
+        }
         for number in 0..3 {
             let still = moment(&mesh, 4);
             let next = EffectFrame::next(&still);

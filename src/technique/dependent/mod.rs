@@ -383,8 +383,9 @@ impl DependentTechnique {
     /// # Errors
     /// [`Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
     pub fn record_picture(&self, recorder: &mut Recorder<'_>, moment: &Moment, show: Show) -> Result<()> {
-        let runs = self.mesh.runs(moment, |_| ())?;
-        let rays = rays(&moment.camera, self.frame().size_px())?;
+        let size_px = self.mesh.size_px(recorder);
+        let runs = self.mesh.runs(size_px, moment, |_| ())?;
+        let rays = rays(&moment.camera, size_px)?;
         self.objects.record(recorder, |object| {
             let to_object = moment.pose(object).matrix().inverse().as_mat4();
             [0, 1, 2].map(|row| to_object.row(row).to_array())
@@ -474,7 +475,7 @@ fn sets_by_object(mesh: &Mesh, covered: &Covered) -> (Vec<u32>, Vec<(u32, u32)>)
 
 /// The eye, and the rays through the pixels: pixel (x, y) sees along [1] + x [2] + y [3], which is 1 long along the
 /// view axis; x and y are 0.5 at the centre of the upper left pixel.
-fn rays(camera: &Camera, [width, height, _]: [u32; 3]) -> Result<[[f32; 4]; 4]> {
+fn rays(camera: &Camera, [width, height]: [u32; 2]) -> Result<[[f32; 4]; 4]> {
     let projection = camera.projection(width as f32 / height as f32)?;
     // From the view's axes to the world's.
     let turned = camera.view().transpose();

@@ -168,7 +168,8 @@ impl ObjectTechnique {
     /// # Errors
     /// [`crate::Error::Parameter`] when the camera has no projection for this picture's shape; nothing is recorded then.
     pub fn record(&self, recorder: &mut Recorder<'_>, moment: &Moment, range: ShadeRange, show: Show) -> Result<()> {
-        let runs = self.mesh.runs(moment, |object| self.paint_of_object.get(object).copied().unwrap_or_default())?;
+        let paint_of = |object| self.paint_of_object.get(object).copied().unwrap_or_default();
+        let runs = self.mesh.runs(self.mesh.size_px(recorder), moment, paint_of)?;
         let draw = |run: Run<u32>| Draw {
             set: self.sets.get(run.kind as usize),
             push: Push {
