@@ -424,8 +424,8 @@ typedef struct ImpastoRequirements {
 } ImpastoRequirements;
 
 /**
- * A host's log. `level` is an ImpastoLogLevel; `text` stays for the time of the call. It may be called from any thread,
- * from several at once, and within any call of the library; it must not call the library.
+ * A host's log. `level` is an ImpastoLogLevel; `text` stays for the time of the call. It may be called from any
+ * thread, from several at once, and within any call of the library; it must not call the library.
  */
 typedef void (*ImpastoLog)(void *user, uint32_t level, const char *text);
 
@@ -524,8 +524,8 @@ typedef struct ImpastoMeshDesc {
    */
   uint32_t object_count;
   /**
-   * Where normals have to be computed, faces that meet at a sharper angle keep a hard edge: 0 to 180 degrees, usually
-   * 60.
+   * Where normals have to be computed, faces that meet at a sharper angle keep a hard edge: 0 to 180 degrees,
+   * usually 60.
    */
   float crease_deg;
   /**
@@ -952,8 +952,8 @@ typedef struct ImpastoEffectDesc {
    */
   const struct ImpastoImage *vectors;
   /**
-   * What a vector is multiplied by to be the way from a pixel to its surface's place in the previous frame, in pixels
-   * to the right and down.
+   * What a vector is multiplied by to be the way from a pixel to its surface's place in the previous frame, in
+   * pixels to the right and down.
    */
   float vectors_scale[2];
   /**

@@ -67,8 +67,8 @@ pub struct ImpastoHostDevice {
 }
 versioned!(ImpastoHostDevice);
 
-/// A host's log. `level` is an ImpastoLogLevel; `text` stays for the time of the call. It may be called from any thread,
-/// from several at once, and within any call of the library; it must not call the library.
+/// A host's log. `level` is an ImpastoLogLevel; `text` stays for the time of the call. It may be called from any
+/// thread, from several at once, and within any call of the library; it must not call the library.
 pub type ImpastoLog = Option<unsafe extern "C" fn(user: *mut c_void, level: u32, text: *const c_char)>;
 
 /// Tells what the library needs, before there is a device.

@@ -59,8 +59,8 @@ pub struct ImpastoEffectDesc {
     /// The host's motion vectors, where IMPASTO_TECHNIQUE_IMAGE carries texture; null: the library follows the poses.
     /// Two or four channels of floats, made for SAMPLED.
     pub vectors: *const ImpastoImage,
-    /// What a vector is multiplied by to be the way from a pixel to its surface's place in the previous frame, in pixels
-    /// to the right and down.
+    /// What a vector is multiplied by to be the way from a pixel to its surface's place in the previous frame, in
+    /// pixels to the right and down.
     pub vectors_scale: [f32; 2],
     /// How much the distance of a surface may change in a frame, 0 to 1 of it.
     pub vectors_depth_tolerance: f32,

@@ -30,8 +30,8 @@ pub struct ImpastoMeshDesc {
     pub index_count: u32,
     /// Objects that object_index_counts tells of.
     pub object_count: u32,
-    /// Where normals have to be computed, faces that meet at a sharper angle keep a hard edge: 0 to 180 degrees, usually
-    /// 60.
+    /// Where normals have to be computed, faces that meet at a sharper angle keep a hard edge: 0 to 180 degrees,
+    /// usually 60.
     pub crease_deg: f32,
     /// 0.
     pub reserved: u32,

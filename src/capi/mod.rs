@@ -1,8 +1,8 @@
 //! The C ABI: [`crate::embed`] for hosts that are not written in Rust. On with the feature `capi`.
 //!
-//! `include/impasto.h` is generated from these files (`make header`) and is its documentation: the contract of all calls
-//! stands at its top. What is `unsafe` here is what a C caller promises there, and nothing else: handles are numbers
-//! that are looked up, sizes are checked before they are believed, and no panic leaves a call.
+//! `include/impasto.h` is generated from these files (`make header`) and is its documentation: the contract of all
+//! calls stands at its top. What is `unsafe` here is what a C caller promises there, and nothing else: handles are
+//! numbers that are looked up, sizes are checked before they are believed, and no panic leaves a call.
 //!
 //! ```text
 //! a C call -> guard -> handles: what it is about -> memory: its structures -> crate::embed -> a status, last_error

@@ -19,7 +19,8 @@ static ImpastoPaint *paint;
 static const ImpastoLight light = {{-0.8f, 0.5f, 0.35f}, 1.0f};
 static const float view[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -4, 1};
 /* 60 degrees, near 1, far 10. */
-static const float projection[16] = {1.732f, 0, 0, 0, 0, -1.732f, 0, 0, 0, 0, -10.0f / 9.0f, -1, 0, 0, -10.0f / 9.0f, 0};
+static const float projection[16] = {1.732f, 0, 0,             0,  0, -1.732f, 0,             0,
+                                     0,      0, -10.0f / 9.0f, -1, 0, 0,       -10.0f / 9.0f, 0};
 
 /* The words of the last failure must have this in them. */
 #define WORDS(part) CHECK(strstr(impasto_last_error(), part))
@@ -319,7 +320,7 @@ static void no_frame(ImpastoEffect *effect, VkCommandBuffer commands) {
     REFUSED(PARAMETER, impasto_effect_record(effect, commands, &frame), "by no stage");
     use.after.stages = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
     use.after.layout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-    REFUSED(PARAMETER, impasto_effect_record(effect, commands, &frame), "picture is in DEPTH_STENCIL_ATTACHMENT_OPTIMAL");
+    REFUSED(PARAMETER, impasto_effect_record(effect, commands, &frame), "is in DEPTH_STENCIL_ATTACHMENT_OPTIMAL");
     use.after.layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     REFUSED(PARAMETER, impasto_effect_record(effect, commands, &frame), "made for TRANSFER_DST");
     use.after.layout = VK_IMAGE_LAYOUT_UNDEFINED;
@@ -330,7 +331,8 @@ static void no_frame(ImpastoEffect *effect, VkCommandBuffer commands) {
 
 static void no_composite(ImpastoEffect *effect, VkCommandBuffer commands) {
     VkImageUsageFlags copied = VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    HostImage color = host_image(&host, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | copied, SIDE, SIDE);
+    VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | copied;
+    HostImage color = host_image(&host, VK_FORMAT_R8G8B8A8_UNORM, drawn, SIDE, SIDE);
     HostImage deep = host_image(&host, VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, SIDE, SIDE);
     ImpastoImage images[] = {host_described(&color), host_described(&deep)};
     ImpastoTarget target = {&images[0], &images[1]};

@@ -8,22 +8,22 @@ VkResult host_failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
 
 static int fails(void) { return host_calls++ >= host_fail_at; }
 
-#define FAILING(name, parameters, ...)                                                   \
-    static VKAPI_ATTR VkResult VKAPI_CALL failing_##name parameters {                    \
-        return fails() ? host_failure : name(__VA_ARGS__);                               \
+#define FAILING(name, parameters, ...) \
+    static VKAPI_ATTR VkResult VKAPI_CALL failing_##name parameters { \
+        return fails() ? host_failure : name(__VA_ARGS__); \
     }
-#define MAKING(name, Info, Object)                                                       \
-    FAILING(name, (VkDevice device, const Info *info, const VkAllocationCallbacks *callbacks, Object *object), device, \
-            info, callbacks, object)
-#define MAKING_PIPELINES(name, Info)                                                     \
-    static VKAPI_ATTR VkResult VKAPI_CALL failing_##name(VkDevice device, VkPipelineCache cache, uint32_t count,        \
-                                                         const Info *infos, const VkAllocationCallbacks *callbacks,     \
-                                                         VkPipeline *pipelines) {        \
-        if (fails()) {                                                                   \
-            memset(pipelines, 0, count * sizeof *pipelines);                             \
-            return host_failure;                                                         \
-        }                                                                                \
-        return name(device, cache, count, infos, callbacks, pipelines);                  \
+#define MAKING(name, Info, Object) \
+    FAILING(name, (VkDevice device, const Info *info, const VkAllocationCallbacks *callbacks, Object *object), \
+            device, info, callbacks, object)
+#define MAKING_PIPELINES(name, Info) \
+    static VKAPI_ATTR VkResult VKAPI_CALL failing_##name(VkDevice device, VkPipelineCache cache, uint32_t count, \
+                                                         const Info *infos, const VkAllocationCallbacks *callbacks, \
+                                                         VkPipeline *pipelines) { \
+        if (fails()) { \
+            memset(pipelines, 0, count * sizeof *pipelines); \
+            return host_failure; \
+        } \
+        return name(device, cache, count, infos, callbacks, pipelines); \
     }
 
 MAKING(vkAllocateMemory, VkMemoryAllocateInfo, VkDeviceMemory)

@@ -15,8 +15,8 @@ const ImpastoUse HOST_TO_BE_READ = {
 
 void host_expect(ImpastoStatus expected, ImpastoStatus status, const char *call, const char *file, int line) {
     if (status != expected) {
-        fprintf(stderr, "%s:%d: %s\nanswered \"%s\" and not \"%s\": %s\n", file, line, call, impasto_status_text(status),
-                impasto_status_text(expected), impasto_last_error());
+        fprintf(stderr, "%s:%d: %s\nanswered \"%s\" and not \"%s\": %s\n", file, line, call,
+                impasto_status_text(status), impasto_status_text(expected), impasto_last_error());
         exit(1);
     }
 }
@@ -31,8 +31,8 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlag
     return VK_FALSE;
 }
 
-/* Takes the place of the system's function: drivers and layers stay loaded, so that what looks for leaks can tell whose
- * they are. */
+/* Takes the place of the system's function: drivers and layers stay loaded, so that what looks for leaks can tell
+ * whose they are. */
 int dlclose(void *handle);
 int dlclose(void *handle) {
     (void)handle;
