@@ -1154,14 +1154,14 @@ typedef struct ImpastoFrame {
    */
   uint32_t reset;
   /**
-   * 0: draw with near and far planes close around the mesh. 1: with those of the projection, as it is always done
-   * where the host draws the depth.
+   * Width and height of what is drawn, pixels, in the picture's upper left corner: for a host that changes its
+   * resolution from frame to frame. 0 and 0: all of the picture. Image-based painting knows no other.
    */
-  uint32_t keep_planes;
+  uint32_t width_px;
   /**
-   * 0.
+   * See above.
    */
-  uint32_t reserved;
+  uint32_t height_px;
   /**
    * The use of the picture; null: nothing to tell.
    */
@@ -1185,7 +1185,7 @@ typedef struct ImpastoFrame {
 } ImpastoFrame;
 
 /**
- * A host's image that is painted into, of the effect's size. Plain: never grows.
+ * A host's image that is painted into, as large as the picture or larger. Plain: never grows.
  */
 typedef struct ImpastoTarget {
   /**
@@ -1250,6 +1250,14 @@ typedef struct ImpastoCompositeFrame {
    * See above.
    */
   float depth_b;
+  /**
+   * Where the picture's upper left corner comes to lie in the target, pixels to the right.
+   */
+  uint32_t x_px;
+  /**
+   * And down.
+   */
+  uint32_t y_px;
   /**
    * The use of the target's colours, before and after.
    */

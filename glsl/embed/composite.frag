@@ -12,6 +12,8 @@ layout(binding = 1) uniform sampler2D depth;
 layout(push_constant) uniform Push {
     // The host's depth is x + y * depth: both are linear in one over the distance along the view axis.
     vec2 to_host;
+    // Where the picture's upper left corner lies in the host's image.
+    ivec2 at;
 } push;
 
 layout(location = 0) out vec4 frame;
@@ -24,7 +26,7 @@ vec3 decoded(vec3 stored) {
 }
 
 void main() {
-    ivec2 p = ivec2(gl_FragCoord.xy);
+    ivec2 p = ivec2(gl_FragCoord.xy) - push.at;
     vec4 paint = imageLoad(picture, p);
     if (paint.a == 0.0) {
         discard;

@@ -12,7 +12,7 @@ use crate::gpu::{lock, Context};
 use crate::scene::Mat4;
 use std::sync::{Arc, Mutex};
 
-/// A host's image that is painted into, of the effect's size. Plain: never grows.
+/// A host's image that is painted into, as large as the picture or larger. Plain: never grows.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct ImpastoTarget {
@@ -55,6 +55,10 @@ pub struct ImpastoCompositeFrame {
     pub depth_a: f32,
     /// See above.
     pub depth_b: f32,
+    /// Where the picture's upper left corner comes to lie in the target, pixels to the right.
+    pub x_px: u32,
+    /// And down.
+    pub y_px: u32,
     /// The use of the target's colours, before and after.
     pub color: *const ImpastoImageUse,
     /// The use of the target's depth, if it has one.
@@ -152,7 +156,7 @@ unsafe fn record(
     }
     let mut recorder = unsafe { recorder(&object.context, commands) }?;
     told.iter().for_each(|told| unsafe { told.begin() });
-    object.composite.record(&mut recorder, effect, frame.target as usize, &depth)?;
+    object.composite.record(&mut recorder, effect, frame.target as usize, (frame.x_px, frame.y_px), &depth)?;
     told.iter().for_each(|told| told.end(&mut recorder));
     Ok(())
 }

@@ -37,11 +37,11 @@ pub struct ImpastoFrame {
     pub show: u32,
     /// 1: the frame has nothing to do with the one before: a cut, or a jump of the camera.
     pub reset: u32,
-    /// 0: draw with near and far planes close around the mesh. 1: with those of the projection, as it is always done
-    /// where the host draws the depth.
-    pub keep_planes: u32,
-    /// 0.
-    pub reserved: u32,
+    /// Width and height of what is drawn, pixels, in the picture's upper left corner: for a host that changes its
+    /// resolution from frame to frame. 0 and 0: all of the picture. Image-based painting knows no other.
+    pub width_px: u32,
+    /// See above.
+    pub height_px: u32,
     /// The use of the picture; null: nothing to tell.
     pub picture: *const ImpastoImageUse,
     /// The use of the picture's depth. Where it is the host's image it must be told, as for the others below.
@@ -80,9 +80,9 @@ unsafe fn record(object: &mut EffectObject, commands: VkCommandBuffer, frame: *c
     }
     let show = pick("show", frame.show, &[Show::Painted, Show::Color, Show::Texture])?;
     let reset = switch("reset", frame.reset)?;
-    let fit = !switch("keep_planes", frame.keep_planes)? && object.guides.is_none();
+    let size_px = (frame.width_px != 0 || frame.height_px != 0).then_some((frame.width_px, frame.height_px));
     let lights = unsafe { lights(frame.lights, frame.light_count) }?;
-    let now = unsafe { moment(object, &frame, lights, fit) }?;
+    let now = unsafe { moment(object, &frame, lights, size_px) }?;
     // Clones are the same images; the effect itself is borrowed to record.
     let (picture, depth) = (object.effect.picture().cloned(), object.effect.depth().cloned());
     let (Some(picture), Some(depth)) = (picture, depth) else { return Err(not_ready()) };
@@ -97,7 +97,7 @@ unsafe fn record(object: &mut EffectObject, commands: VkCommandBuffer, frame: *c
     }
     let mut recorder = unsafe { recorder(&object.context, commands) }?;
     told.iter().for_each(|told: &Uses<'_>| unsafe { told.begin() });
-    let frame = EffectFrame { moment: &now, reset, seed: frame.seed, show };
+    let frame = EffectFrame { moment: &now, reset, seed: frame.seed, show, size_px };
     object.effect.record(&mut recorder, &frame)?;
     told.iter().for_each(|told| told.end(&mut recorder));
     Ok(())
@@ -105,13 +105,19 @@ unsafe fn record(object: &mut EffectObject, commands: VkCommandBuffer, frame: *c
 
 /// # Safety
 /// `from.poses` is as long as it says.
-unsafe fn moment(object: &EffectObject, from: &ImpastoFrame, lights: Lights, fit: bool) -> Result<Moment> {
+unsafe fn moment(
+    object: &EffectObject,
+    from: &ImpastoFrame,
+    lights: Lights,
+    size_px: Option<(u32, u32)>,
+) -> Result<Moment> {
     let projection = Mat4::from_cols_array(&from.projection);
     let camera = Camera::from_matrices(&Mat4::from_cols_array(&from.view), &projection)?;
-    let (width, height) = object.effect.size_px();
+    let (width, height) = size_px.unwrap_or(object.effect.size_px());
     let aspect = f64::from(projection.y_axis.y / projection.x_axis.x).abs();
     let picture = f64::from(width) / f64::from(height);
-    if (aspect / picture - 1.0).abs() > 1e-3 {
+    // A picture without a shape is refused with its size.
+    if width > 0 && height > 0 && (aspect / picture - 1.0).abs() > 1e-3 {
         let allowed = format!("that of the picture, {picture}");
         return Err(Failure::parameter("aspect of the projection", aspect, allowed));
     }
@@ -119,6 +125,5 @@ unsafe fn moment(object: &EffectObject, from: &ImpastoFrame, lights: Lights, fit
     let poses = unsafe { slice("poses", from.poses, from.pose_count, object.mesh.objects().len()) }?;
     let pose = |pose: &ImpastoPose| Pose::from_matrix(&Mat4::from_cols_array(&pose.matrix));
     let poses = poses.iter().map(pose).collect::<crate::Result<_>>()?;
-    let moment = Moment { camera, lights, poses };
-    Ok(if fit { moment.fit_depth(&object.mesh) } else { moment })
+    Ok(Moment { camera, lights, poses })
 }

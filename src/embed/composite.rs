@@ -23,10 +23,11 @@ pub(crate) const COMPOSITE: RasterShader = RasterShader {
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Push {
     to_host: [f32; 2],
+    at: [i32; 2],
 }
 
-/// A host's image that is painted into, of the effect's size. A host with several in turn, as those of a swapchain,
-/// brings all of them.
+/// A host's image that is painted into, as large as the picture or larger. A host with several in turn, as those of a
+/// swapchain, brings all of them.
 #[derive(Clone)]
 pub struct Target {
     /// Its colours: R8G8B8A8 or B8G8R8A8, UNORM or SRGB, A2B10G10R10_UNORM, or R16G16B16A16_SFLOAT, made for
@@ -125,8 +126,8 @@ impl Composite {
     /// nearer is more in their depth.
     ///
     /// # Errors
-    /// [`Error::Device`] for an effect that is not ready; [`Error::Parameter`] for no target, one of another size, format,
-    /// use or context, and one that the effect itself has: its picture, or the depth of guides that the host draws for
+    /// [`Error::Device`] for an effect that is not ready; [`Error::Parameter`] for no target, one of another format, use
+    /// or context, one whose colour and depth differ in size, and one that the effect itself has: its picture, or the depth of guides that the host draws for
     /// it, which the pass reads; [`Error::Vulkan`] when a call fails.
     pub fn new(effect: &Effect, targets: &[Target], color: TargetColor, reversed: bool) -> Result<Self> {
         let (Some(picture), Some(depth)) = (effect.picture(), effect.depth()) else {
@@ -168,7 +169,9 @@ impl Composite {
     }
 
     /// Records the pass into the target of this number. `effect` is the one that it was made for, and has recorded the
-    /// frame before; `depth` is how the host's camera of the same frame maps distance to depth.
+    /// frame before. The picture's upper left corner comes to lie at `at_px` = (x, y) of the target: that of the
+    /// viewport where the host draws into a part of its image. `depth` is how the host's camera of the same frame maps
+    /// distance to depth.
     ///
     /// The target is left as a colour attachment (and a depth attachment), as [`Image::layout`] says;
     /// [`Recorder::hand_over`] brings it to where the host wants it. What the host has done to it since must have been
@@ -176,9 +179,16 @@ impl Composite {
     ///
     /// # Errors
     /// [`Error::Parameter`] for another effect, a recorder of another context, a target that there is not, one in a
-    /// layout without content, a depth that is not finite or runs the other way than the pass was made for;
-    /// [`Error::Device`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
-    pub fn record(&self, recorder: &mut Recorder<'_>, effect: &Effect, target: usize, depth: &HostDepth) -> Result<()> {
+    /// layout without content, one in which the picture has no room there, and a depth that is not finite or runs the
+    /// other way than the pass was made for; [`Error::Device`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
+    pub fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        effect: &Effect,
+        target: usize,
+        at_px: (u32, u32),
+        depth: &HostDepth,
+    ) -> Result<()> {
         effect.context().usable()?;
         self.picture.context().check_same("recorder", recorder.context())?;
         if !effect.picture().is_some_and(|picture| picture.is_same(&self.picture)) {
@@ -199,9 +209,17 @@ impl Composite {
         for (name, image) in ["target's colour", "target's depth"].into_iter().zip(framebuffer.images()) {
             image.check_content(name)?;
         }
-        let push = Push { to_host: depth.of_depth(camera) };
+        let (drawn, [width, height]) = (effect.drawn_px(), framebuffer.size_px());
+        let room = |at: u32, drawn: u32, size: u32| at.checked_add(drawn).is_some_and(|end| end <= size);
+        if !room(at_px.0, drawn.0, width) || !room(at_px.1, drawn.1, height) {
+            let allowed = format!("where {}x{} have room in a target of {width}x{height}", drawn.0, drawn.1);
+            return Err(Error::parameter("at_px", format!("({}, {})", at_px.0, at_px.1), allowed));
+        }
+        let push = Push { to_host: depth.of_depth(camera), at: [at_px.0 as i32, at_px.1 as i32] };
         let draw = Draw { set: Some(&self.set), push, range: 0..3 };
+        recorder.draw_within(Some([at_px, drawn]));
         recorder.draw(&self.pass, framebuffer, &self.pipeline, None, &[draw]);
+        recorder.draw_within(None);
         Ok(())
     }
 }
@@ -210,7 +228,6 @@ impl Composite {
 fn check(context: &Context, target: &Target, first: &Target, reads: [&Image; 2]) -> Result<()> {
     use vk::Format as F;
     use vk::ImageUsageFlags as U;
-    let size_px = reads[0].size_px();
     for (name, image) in [("target's colour", Some(&target.color)), ("target's depth", target.depth.as_ref())] {
         let Some(image) = image else { continue };
         context.check_same(name, image.context())?;
@@ -227,11 +244,10 @@ fn check(context: &Context, target: &Target, first: &Target, reads: [&Image; 2])
         F::R16G16B16A16_SFLOAT,
     ];
     target.color.check("target's colour", &colors, U::COLOR_ATTACHMENT)?;
-    target.color.check_size("target's colour", size_px)?;
     if let Some(depth) = &target.depth {
         let depths = [F::D32_SFLOAT, F::D16_UNORM, F::X8_D24_UNORM_PACK32, F::D24_UNORM_S8_UINT, F::D32_SFLOAT_S8_UINT];
         depth.check("target's depth", &depths, U::DEPTH_STENCIL_ATTACHMENT)?;
-        depth.check_size("target's depth", size_px)?;
+        depth.check_size("target's depth", target.color.size_px())?;
     }
     let format = |image: &Image| image.format();
     if format(&target.color) != format(&first.color)

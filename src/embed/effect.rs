@@ -25,6 +25,8 @@ pub struct Effect {
     /// What the planes of the camera close in on; none where the host draws the depth.
     spheres: Option<Spheres>,
     state: State,
+    /// What of it the last frame has drawn.
+    drawn_px: (u32, u32),
     /// The moment of the last frame, unless none is to go on from.
     last: Option<Moment>,
     /// Frames recorded; enters the random choices of synthesis.
@@ -50,12 +52,15 @@ pub struct EffectFrame<'a> {
     pub seed: u32,
     /// What is shown.
     pub show: Show,
+    /// Width and height of what is drawn, pixels, in the picture's upper left corner: for a host that changes its
+    /// resolution from frame to frame. `None`: all of the picture. Image-based painting knows no other.
+    pub size_px: Option<(u32, u32)>,
 }
 
 impl<'a> EffectFrame<'a> {
     /// A painted frame that goes on from the last one.
     pub fn next(moment: &'a Moment) -> Self {
-        EffectFrame { moment, reset: false, seed: 1, show: Show::Painted }
+        EffectFrame { moment, reset: false, seed: 1, show: Show::Painted, size_px: None }
     }
 }
 
@@ -77,7 +82,17 @@ impl Effect {
             .spawn(move || prepare(&on_thread, &desc, &recordings))
             .map_err(|error| Error::io("a thread", error))?;
         let state = State::Preparing(desk, Some(thread));
-        Ok(Effect { context: context.clone(), mesh, inputs, size_px, spheres, state, last: None, frames: 0 })
+        Ok(Effect {
+            context: context.clone(),
+            mesh,
+            inputs,
+            size_px,
+            spheres,
+            state,
+            drawn_px: size_px,
+            last: None,
+            frames: 0,
+        })
     }
 
     /// How much GPU memory an effect takes, without making anything of it but, for a moment, empty buffers and images
@@ -162,17 +177,37 @@ impl Effect {
     ///
     /// # Errors
     /// [`Error::Device`] before the preparation is over, [`Error::Parameter`] when a camera has no projection for the
-    /// picture's shape, the recorder is of another context or an image of the host's is in a layout without content,
+    /// picture's shape, the frame's size is not within the picture's, the recorder is of another context or an image of the host's is in a layout without content,
     /// [`Error::DeviceLost`]; nothing is recorded then.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, frame: &EffectFrame<'_>) -> Result<()> {
         self.context.usable()?;
         self.context.check_same("recorder", recorder.context())?;
+        let size = self.drawn_size(frame)?;
+        frame.moment.camera.projection(size.0 as f32 / size.1 as f32)?;
+        self.inputs.check_content()?;
+        recorder.draw_within(Some([(0, 0), size]));
+        let recorded = self.draw(recorder, frame, size);
+        recorder.draw_within(None);
+        recorded
+    }
+
+    /// What of the picture a frame draws.
+    fn drawn_size(&self, frame: &EffectFrame<'_>) -> Result<(u32, u32)> {
+        let (width, height) = self.size_px;
+        let asked = frame.size_px.unwrap_or(self.size_px);
+        let fits = (1..=width).contains(&asked.0) && (1..=height).contains(&asked.1);
+        let of_image = matches!(self.prepared(), Some(Prepared::Image(..)));
+        if fits && (!of_image || asked == self.size_px) {
+            return Ok(asked);
+        }
+        let least = if of_image { "" } else { "1x1 to " };
+        Err(Error::parameter("size_px", format!("{}x{}", asked.0, asked.1), format!("{least}{width}x{height}")))
+    }
+
+    fn draw(&mut self, recorder: &mut Recorder<'_>, frame: &EffectFrame<'_>, size: (u32, u32)) -> Result<()> {
         let State::Ready(prepared) = &mut self.state else {
             return Err(Error::Device("the effect is not ready: its preparation is not over".to_owned()));
         };
-        let size = self.size_px;
-        frame.moment.camera.projection(size.0 as f32 / size.1 as f32)?;
-        self.inputs.check_content()?;
         let mut now = frame.moment.clone();
         if let Some(spheres) = &self.spheres {
             now.camera = spheres.close_in(&now);
@@ -210,6 +245,7 @@ impl Effect {
             }
         }
         self.last = Some(now);
+        self.drawn_px = size;
         self.frames = self.frames.wrapping_add(1);
         Ok(())
     }
@@ -243,6 +279,11 @@ impl Effect {
     /// Width and height of the picture, pixels.
     pub fn size_px(&self) -> (u32, u32) {
         self.size_px
+    }
+
+    /// What of the picture the last frame has drawn, from its upper left corner: width and height, pixels.
+    pub fn drawn_px(&self) -> (u32, u32) {
+        self.drawn_px
     }
 
     pub(super) fn context(&self) -> &Context {

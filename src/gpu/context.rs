@@ -249,6 +249,8 @@ pub(crate) struct Inner {
     loader: Option<Loader>,
     pub instance: ash::Instance,
     pub device: ash::Device,
+    /// The context that this one measures for.
+    measured: Option<Context>,
     physical_device: vk::PhysicalDevice,
     pub queue_family: u32,
     /// Null on a borrowed device: there the host submits.
@@ -376,7 +378,7 @@ impl Context {
         Ok(Context { inner: Arc::new(inner) })
     }
 
-    /// A context on the same device by another table of its functions, and with other memory.
+    /// A context to measure with: on the same device by another table of its functions, and with other memory.
     pub(crate) fn on_other_device(&self, device: ash::Device, memory: Arc<dyn HostMemory>) -> Result<Self> {
         let inner = &self.inner;
         let made = Inner::new(
@@ -388,7 +390,10 @@ impl Context {
             Some(inner.budget),
             Some(memory),
         );
-        made.map(|inner| Context { inner: Arc::new(inner) })
+        made.map(|mut inner| {
+            inner.measured = Some(self.clone());
+            Context { inner: Arc::new(inner) }
+        })
     }
 
     /// Which device this is.
@@ -507,7 +512,9 @@ impl Context {
     /// # Errors
     /// [`Error::Parameter`] when it is of another, whose handles mean nothing here.
     pub(crate) fn check_same(&self, name: &'static str, other: &Context) -> Result<()> {
-        match Arc::ptr_eq(&self.inner, &other.inner) {
+        // A host's images are measured as if they were the measuring context's own.
+        let own = self.inner.measured.as_ref().unwrap_or(self);
+        match Arc::ptr_eq(&own.inner, &other.inner) || Arc::ptr_eq(&self.inner, &other.inner) {
             true => Ok(()),
             false => Err(Error::parameter(name, "of another context", "of the same context")),
         }
@@ -586,6 +593,7 @@ impl Inner {
             loader: None,
             instance: instance.clone(),
             device,
+            measured: None,
             physical_device: physical,
             queue_family,
             queue: vk::Queue::null(),

@@ -167,6 +167,11 @@ impl Framebuffer {
     pub fn images(&self) -> &[Image] {
         &self.images
     }
+
+    /// Width and height, pixels.
+    pub fn size_px(&self) -> [u32; 2] {
+        [self.extent.width, self.extent.height]
+    }
 }
 
 impl Drop for Framebuffer {

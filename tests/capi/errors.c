@@ -309,6 +309,11 @@ static void no_frame(ImpastoEffect *effect, VkCommandBuffer commands) {
     frame.projection[0] *= 2;
     REFUSED(PARAMETER, impasto_effect_record(effect, commands, &frame), "aspect of the projection is 0.5");
     frame = frame_of();
+    frame.width_px = frame.height_px = SIDE + 1;
+    REFUSED(PARAMETER, impasto_effect_record(effect, commands, &frame), "size_px is 33x33");
+    frame.width_px = 0;
+    REFUSED(PARAMETER, impasto_effect_record(effect, commands, &frame), "size_px is 0x33");
+    frame = frame_of();
     frame.pose_count = 1;
     REFUSED(NULL_POINTER, impasto_effect_record(effect, commands, &frame), "poses is null");
     frame.poses = &pose;
@@ -350,7 +355,7 @@ static void no_composite(ImpastoEffect *effect, VkCommandBuffer commands) {
     REFUSED(PARAMETER, impasto_composite_create(effect, &desc, &made), "color is 3");
     desc.color = 0;
     images[0].width_px = 31;
-    REFUSED(PARAMETER, impasto_composite_create(effect, &desc, &made), "31x32, but must be 32x32");
+    REFUSED(PARAMETER, impasto_composite_create(effect, &desc, &made), "32x32, but must be 31x32");
     images[0] = host_described(&color);
     images[0].format = VK_FORMAT_R8_UNORM;
     REFUSED(PARAMETER, impasto_composite_create(effect, &desc, &made), "target's colour is R8_UNORM");
@@ -365,7 +370,7 @@ static void no_composite(ImpastoEffect *effect, VkCommandBuffer commands) {
     REFUSED(NULL_POINTER, impasto_composite_record(made, commands, NULL), "ImpastoCompositeFrame is null");
     REFUSED(NOT_READY, impasto_composite_record(made, commands, &frame), "no frame yet");
     {
-            ImpastoFrame of_effect = frame_of();
+        ImpastoFrame of_effect = frame_of();
         OK(impasto_effect_record(effect, commands, &of_effect));
     }
     REFUSED(NULL_POINTER, impasto_composite_record(made, commands, &frame), "use of color is null");
@@ -383,6 +388,9 @@ static void no_composite(ImpastoEffect *effect, VkCommandBuffer commands) {
     frame.depth_b = 1.0f;
     REFUSED(PARAMETER, impasto_composite_record(made, commands, &frame), "nearer is more");
     frame.projection = projection;
+    frame.x_px = 1;
+    REFUSED(PARAMETER, impasto_composite_record(made, commands, &frame), "at_px is (1, 0)");
+    frame.x_px = 0;
     use.before.layout = VK_IMAGE_LAYOUT_UNDEFINED;
     REFUSED(PARAMETER, impasto_composite_record(made, commands, &frame), "color is in UNDEFINED");
     use.before.layout = VK_IMAGE_LAYOUT_GENERAL;

@@ -133,7 +133,7 @@ impl Scene<'_> {
     fn frames(&mut self, name: &str, method: Method) -> Effect {
         let mut effect = self.prepared(self.desc(method));
         for (number, turned) in [false, true].into_iter().enumerate() {
-            let moment = self.moment(turned).fit_depth(&self.mesh);
+            let moment = self.moment(turned);
             self.record(&mut effect, &moment, &format!("{name}.{number}"));
         }
         effect
@@ -167,7 +167,7 @@ impl Scene<'_> {
         let target_depth = self.image(vk::Format::D32_SFLOAT, U::DEPTH_STENCIL_ATTACHMENT, &bytes(&under_depth));
         let target = Target { color: color.clone(), depth: Some(target_depth) };
         let composite = Composite::new(effect, &[target], TargetColor::ByFormat, false).expect("a composite");
-        self.runner.run(|recorder| composite.record(recorder, effect, 0, &depth)).expect("a frame");
+        self.runner.run(|recorder| composite.record(recorder, effect, 0, (0, 0), &depth)).expect("a frame");
         let laid = self.runner.read_image(&color).expect("its bytes");
         assert!(laid != under && laid.chunks(4).zip(under.chunks(4)).any(|(a, b)| a == b));
         self.file("under", &under);

@@ -156,7 +156,7 @@ fn a_picture_lies_over_the_hosts_behind_what_is_nearer() {
             let composite = Composite::new(&effect, &[target], TargetColor::ByFormat, reversed).expect("a composite");
             host.run(|commands| {
                 let mut recorder = recorder(&context, commands);
-                composite.record(&mut recorder, &effect, 0, &depth).expect("a frame");
+                composite.record(&mut recorder, &effect, 0, (0, 0), &depth).expect("a frame");
                 recorder.hand_over(&lent[0], read_by_copy());
                 recorder.hand_over(&lent[1], read_by_copy());
             });
@@ -203,6 +203,50 @@ fn a_picture_lies_over_the_hosts_behind_what_is_nearer() {
     assert_silent(&host.destroy());
 }
 
+/// A part of a picture in a part of a larger target, as of a split screen.
+#[test]
+fn a_picture_lies_where_the_host_says() {
+    use vk::ImageUsageFlags as U;
+    let (host, mesh) = (Host::new(), ball());
+    let context = borrow(&host);
+    let mut frame = 0;
+    let (_, object) = methods().into_iter().next().expect("a method");
+    let mut effect = Effect::new(&context, desc(&mesh, &object)).expect("an effect");
+    prepare(&host, &context, &mut effect, &mut frame);
+    let (moment, part, at, size) = (moment(&mesh, 0), (61, 47), (53, 8), (120, 60));
+    let next = EffectFrame { size_px: Some(part), ..EffectFrame::next(&moment) };
+    let painted = picture(&host, &context, &mut effect, &next);
+    let color = host.image(vk::Format::R8G8B8A8_UNORM, U::COLOR_ATTACHMENT | U::TRANSFER_SRC | U::TRANSFER_DST, size);
+    let before = noise(size.0, size.1, 5).into_flattened();
+    host.write_image(&color, &before);
+    let lent = wrapped(&context, &color);
+    let target = Target { color: lent.clone(), depth: None };
+    let composite = Composite::new(&effect, &[target], TargetColor::Stored, false).expect("a composite");
+    let depth = HostDepth::of_camera(effect.camera().expect("a frame"));
+    host.run(|commands| {
+        let mut recorder = recorder(&context, commands);
+        for stray in [(60, 8), (53, 14), (u32::MAX, 0), (0, u32::MAX)] {
+            let told = composite.record(&mut recorder, &effect, 0, stray, &depth).expect_err("no room").to_string();
+            assert!(told.contains("at_px") && told.contains("61x47"), "{told}");
+        }
+        composite.record(&mut recorder, &effect, 0, at, &depth).expect("a frame");
+    });
+    let drawn = host.read_own(&color, lent.layout());
+    let mut shown = 0;
+    for (i, (was, now)) in before.chunks(4).zip(drawn.chunks(4)).enumerate() {
+        let (x, y) = (i as u32 % size.0, i as u32 / size.0);
+        let inside = (at.0..at.0 + part.0).contains(&x) && (at.1..at.1 + part.1).contains(&y);
+        let paint = inside.then(|| &painted[4 * ((y - at.1) * SIZE.0 + x - at.0) as usize..][..4]);
+        let expected = paint.filter(|paint| paint[3] == 255);
+        shown += u32::from(expected.is_some());
+        assert_eq!(now, expected.unwrap_or(was), "({x}, {y})");
+    }
+    assert!(shown > 500, "{shown}");
+    drop((composite, effect, lent, context));
+    host.destroy_image(color);
+    assert_silent(&host.destroy());
+}
+
 /// A host that draws the mesh too has depths that are off by rounding.
 #[test]
 fn a_bias_lets_paint_lie_over_the_hosts_own_drawing_of_the_mesh() {
@@ -230,7 +274,7 @@ fn a_bias_lets_paint_lie_over_the_hosts_own_drawing_of_the_mesh() {
             let target = Target { color: lent[0].clone(), depth: Some(lent[1].clone()) };
             let composite = Composite::new(&effect, &[target], TargetColor::Stored, reversed).expect("a composite");
             host.run(|commands| {
-                composite.record(&mut recorder(&context, commands), &effect, 0, &depth).expect("a frame");
+                composite.record(&mut recorder(&context, commands), &effect, 0, (0, 0), &depth).expect("a frame");
             });
             let shown = host.read_own(&color, lent[0].layout());
             frame += 1;
@@ -321,7 +365,8 @@ fn targets_that_do_not_fit_are_refused() {
     refused(&effect, &[plain(&good)], "not ready");
     prepare(&host, &context, &mut effect, &mut frame);
     refused(&effect, &[], "targets");
-    refused(&effect, &[plain(&small)], "89x70");
+    let uneven = Target { color: wrapped(&context, &small), depth: Some(wrapped(&context, &depth)) };
+    refused(&effect, &[uneven], "89x70");
     refused(&effect, &[plain(&words)], "R32_UINT");
     refused(&effect, &[plain(&sampled)], "COLOR_ATTACHMENT");
     refused(&effect, &[plain(&good), plain(&other)], "formats");
@@ -336,7 +381,7 @@ fn targets_that_do_not_fit_are_refused() {
         let mut recorder = recorder(&context, commands);
         let depth = HostDepth::of_camera(&moment.camera);
         let mut told = |effect: &Effect, target, depth: &HostDepth, word: &str| {
-            let error = composite.record(&mut recorder, effect, target, depth).expect_err(word).to_string();
+            let error = composite.record(&mut recorder, effect, target, (0, 0), depth).expect_err(word).to_string();
             assert!(error.contains(word), "{error}");
         };
         told(&effect, 0, &depth, "no frame");

@@ -77,7 +77,7 @@ fn a_device_may_be_lost_at_any_time() {
             lost(effect.prepare(&mut recorder).map(drop));
             lost(effect.record(&mut recorder, &EffectFrame::next(&still)));
             if let Some(composite) = &composite {
-                lost(composite.record(&mut recorder, &effect, 0, &HostDepth::of_camera(&still.camera)));
+                lost(composite.record(&mut recorder, &effect, 0, (0, 0), &HostDepth::of_camera(&still.camera)));
                 lost(Composite::new(&effect, std::slice::from_ref(&target), TargetColor::Stored, false).map(drop));
             }
             host.end(commands);

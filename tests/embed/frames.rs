@@ -188,7 +188,7 @@ fn a_thousand_frames_only_record() {
             let mut recorder = recorder(&context, commands);
             effect.record(&mut recorder, &next).expect("a frame");
             let depth = HostDepth::of_camera(&moment.camera);
-            composite.record(&mut recorder, &effect, 0, &depth).expect("a composite");
+            composite.record(&mut recorder, &effect, 0, (0, 0), &depth).expect("a composite");
             recorder.hand_over(effect.picture().expect("a picture"), sampled());
             let called = calls::take();
             host.end(commands);
@@ -417,5 +417,57 @@ fn what_is_wrong_is_told_before_anything_is_prepared() {
     assert!(matches!(told[0], impasto::Error::Memory { .. }), "{}", told[0]);
     assert!(told[1].to_string().contains(&told[0].to_string()), "{}", told[1]);
     drop((effect, poor, context));
+    assert_silent(&host.destroy());
+}
+
+/// A part of a picture is the picture of an effect that is no larger.
+#[test]
+fn a_host_may_change_its_resolution_from_frame_to_frame() {
+    let (host, mesh) = (Host::new(), ball());
+    let context = borrow(&host);
+    let mut frame = 0;
+    let part = (61, 47);
+    for (name, method) in methods() {
+        let mut whole = Effect::new(&context, desc(&mesh, &method)).expect("an effect");
+        prepare(&host, &context, &mut whole, &mut frame);
+        let mut told = |size_px| {
+            let still = moment(&mesh, 0);
+            let next = EffectFrame { size_px: Some(size_px), ..EffectFrame::next(&still) };
+            let mut result = Ok(());
+            host.run(|commands| result = whole.record(&mut recorder(&context, commands), &next));
+            result.expect_err("a size that is none").to_string()
+        };
+        for stray in [(0, 10), (10, 0), (SIZE.0 + 1, 10), (10, SIZE.1 + 1)] {
+            assert!(told(stray).contains("90x70"), "{name}: {}", told(stray));
+        }
+        if matches!(method, Method::Image { .. }) {
+            assert!(told(part).contains("must be 90x70"), "{name}: {}", told(part));
+            continue;
+        }
+        let small = EffectDesc { size_px: part, ..desc(&mesh, &method) };
+        let mut small = Effect::new(&context, small).expect("an effect");
+        prepare(&host, &context, &mut small, &mut frame);
+        for number in 0..3 {
+            let now = moment(&mesh, number);
+            let next = EffectFrame { reset: number == 0, ..EffectFrame::next(&now) };
+            let of_whole = EffectFrame { size_px: Some(part), ..next };
+            let drawn = picture(&host, &context, &mut whole, &of_whole);
+            host.run(|commands| small.record(&mut recorder(&context, commands), &next).expect("a frame"));
+            let own = small.picture().expect("a picture");
+            let expected = host.read_image(own.handle(), own.layout(), part);
+            let row =
+                |bytes: &[u8], width: u32, y: u32| bytes[(4 * width * y) as usize..][..4 * part.0 as usize].to_vec();
+            assert!(expected.chunks(4).filter(|pixel| pixel[3] == 255).count() > 500, "{name}: nothing is painted");
+            for y in 0..part.1 {
+                assert!(row(&drawn, SIZE.0, y) == row(&expected, part.0, y), "{name}: frame {number}, row {y}");
+            }
+        }
+        // And back to all of it.
+        let now = moment(&mesh, 3);
+        let reset = EffectFrame { reset: true, ..EffectFrame::next(&now) };
+        let all = picture(&host, &context, &mut whole, &reset);
+        assert!(all.chunks(4).filter(|pixel| pixel[3] == 255).count() > 1500, "{name}: less than all");
+    }
+    drop(context);
     assert_silent(&host.destroy());
 }

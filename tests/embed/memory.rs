@@ -61,6 +61,28 @@ fn memory_is_told_before_it_is_taken() {
 }
 
 #[test]
+fn what_the_host_draws_is_not_counted() {
+    use impasto::embed::Inputs;
+    use impasto::gpu::Uploads;
+    use impasto::scene::GuidePass;
+    let (host, mesh) = (Host::new(), ball());
+    let context = borrow(&host);
+    let mut uploads = Uploads::default();
+    let pass = GuidePass::new(&context, &mut uploads, &mesh, SIZE).expect("guides");
+    host.run(|commands| uploads.record(&mut recorder(&context, commands)));
+    context.advance(1000, 999);
+    let (_, aligned) = methods().into_iter().nth(3).expect("a method");
+    let own = Effect::memory(&context, &desc(&mesh, &aligned)).expect("a description");
+    let inputs = Inputs { guides: Some((&pass).into()), vectors: None };
+    let led = EffectDesc { inputs, ..desc(&mesh, &aligned) };
+    let told = Effect::memory(&context, &led).expect("a description");
+    assert!(told.persistent_bytes < own.persistent_bytes, "{told:?}, {own:?}");
+    assert_eq!(taken(&host, &context, led).0, told.persistent_bytes);
+    drop((pass, uploads, context));
+    assert_silent(&host.destroy());
+}
+
+#[test]
 fn a_budget_that_is_too_small_is_told_before_too() {
     let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);

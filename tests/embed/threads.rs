@@ -190,8 +190,8 @@ fn what_is_of_another_context_is_refused() {
         told(own.record(&mut recorders[1], &next).err(), "another context");
         own.record(&mut recorders[0], &next).expect("a frame");
         other.record(&mut recorders[1], &next).expect("a frame");
-        told(composite.record(&mut recorders[1], &own, 0, &depth).err(), "another context");
-        told(composite.record(&mut recorders[0], &other, 0, &depth).err(), "made for");
+        told(composite.record(&mut recorders[1], &own, 0, (0, 0), &depth).err(), "another context");
+        told(composite.record(&mut recorders[0], &other, 0, (0, 0), &depth).err(), "made for");
     });
     // Guides of another context, and a depth that is read and drawn to.
     let [guides, strays] = contexts.each_ref().map(|context| {

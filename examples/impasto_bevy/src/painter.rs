@@ -269,7 +269,7 @@ impl Over {
         let target = &self.targets[index];
         Attachment::Color.take(&target.color);
         target.depth.iter().for_each(|image| Attachment::Depth.take(image));
-        self.composite.record(recorder, effect, index, depth)?;
+        self.composite.record(recorder, effect, index, (0, 0), depth)?;
         recorder.hand_over(&target.color, Attachment::Color.state());
         target.depth.iter().for_each(|image| recorder.hand_over(image, Attachment::Depth.state()));
         Ok(())

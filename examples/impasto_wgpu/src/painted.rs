@@ -86,7 +86,7 @@ impl Painted {
                     // SAFETY: `lend::bring_to_attachment` ends the command buffer that runs before.
                     unsafe { image.set_state(state) };
                 }
-                composite.record(recorder, &self.effect, 0, &depth)?;
+                composite.record(recorder, &self.effect, 0, (0, 0), &depth)?;
                 for (image, state) in textures(&self.target) {
                     recorder.hand_over(image, state);
                 }
