@@ -391,8 +391,8 @@ fn parameters_out_of_range_are_refused() {
     let mesh = soup(&cuboid(Vec3::ZERO, Vec3::ONE));
     assert_eq!(parameter_of(Coverage::new(&mesh, &[], SIZE_PX)), "views");
     assert_eq!(parameter_of(Coverage::new(&mesh, &[FRONT; MAX_VIEWS + 1], SIZE_PX)), "views");
-    assert_eq!(parameter_of(Coverage::new(&mesh, &[FRONT], 511)), "size_px");
-    assert_eq!(parameter_of(Coverage::new(&mesh, &[FRONT], 4097)), "size_px");
+    assert_eq!(parameter_of(Coverage::new(&mesh, &[FRONT], 511)), "view_px");
+    assert_eq!(parameter_of(Coverage::new(&mesh, &[FRONT], 4097)), "view_px");
     let steep = View { yaw_deg: 0.0, pitch_deg: 91.0 };
     assert_eq!(parameter_of(Coverage::new(&mesh, &[steep], SIZE_PX)), "pitch_deg");
     assert!(Coverage::new(&mesh, &[FRONT; MAX_VIEWS], 4096).is_ok());

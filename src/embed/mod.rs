@@ -25,10 +25,10 @@ pub use effect::{Effect, EffectFrame};
 
 use crate::gpu::Image;
 use crate::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
-use crate::scene::{GuideImages, HostMotionParams, Lights, Mesh};
+use crate::scene::{check_aspect, GuideImages, HostMotionParams, Lights, Mesh};
 use crate::synthesis::repair::RepairParams;
 use crate::technique::aligned::{AlignedFrame, LevelParams};
-use crate::technique::dependent::{DependentParams, View};
+use crate::technique::dependent::{check_views, DependentParams, View};
 use crate::technique::image::ImageParams;
 use crate::technique::object::ObjectParams;
 use crate::technique::{check_paints, Paint, ShadeRange};
@@ -73,10 +73,12 @@ impl EffectDesc {
     /// [`Error::Parameter`] for the first thing that is out of range or does not fit.
     pub fn check(&self) -> Result<()> {
         check_paints(self.paints.len(), &self.paint_of_object, self.mesh.objects().len())?;
-        if self.size_px.0 == 0 || self.size_px.1 == 0 {
-            let (width, height) = self.size_px;
+        let (width, height) = self.size_px;
+        if width == 0 || height == 0 {
             return Err(Error::parameter("size_px", format!("{width}x{height}"), "1 pixel a side or more"));
         }
+        // Or no camera would have a projection for it.
+        check_aspect(width as f32 / height as f32)?;
         if self.piece == 0 {
             return Err(Error::parameter("piece", 0, "1 comparison or more"));
         }
@@ -96,7 +98,10 @@ impl EffectDesc {
                 levels.check()?;
                 frame.check()?;
             }
-            Method::Dependent { params, .. } => params.check()?,
+            Method::Dependent { views, view_px, params, .. } => {
+                check_views(views, *view_px)?;
+                params.check()?;
+            }
         }
         self.inputs.check(self)
     }

@@ -269,7 +269,7 @@ pub(super) fn check_fov(fov_y_deg: f32) -> Result<()> {
     Err(Error::parameter("fov_y_deg", fov_y_deg, "from 1 to 150 degrees"))
 }
 
-pub(super) fn check_aspect(aspect: f32) -> Result<()> {
+pub(crate) fn check_aspect(aspect: f32) -> Result<()> {
     if ASPECT.contains(&aspect) {
         return Ok(());
     }

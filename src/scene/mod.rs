@@ -48,6 +48,7 @@ mod polygon;
 mod solid;
 mod warning;
 
+pub(crate) use camera::check_aspect;
 pub use camera::{Camera, DEFAULT_FOV_Y_DEG};
 pub use framing::Framing;
 pub(crate) use geometry::upload_geometry;

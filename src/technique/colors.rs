@@ -26,14 +26,15 @@ impl ColorTable {
         uploads: &mut Uploads,
         trajectories: impl Iterator<Item = &'a Trajectory>,
     ) -> Result<Self> {
-        let mut rows = Vec::new();
-        for trajectory in trajectories {
-            rows.extend(row(trajectory)?);
-        }
-        let paints = rows.len() / COLORS;
+        let trajectories: Vec<_> = trajectories.collect();
+        let paints = trajectories.len();
         let most = context.caps().max_image_2d_px;
         if paints > most as usize {
             return Err(Error::parameter("paints", paints, format!("at most {most} on this device")));
+        }
+        let mut rows = Vec::with_capacity(paints * COLORS);
+        for trajectory in trajectories {
+            rows.extend(row(trajectory)?);
         }
         let desc = ImageDesc::storage_2d(COLORS as u32, paints as u32, vk::Format::R32_UINT);
         let image = Image::new(context, "colours by shade", &desc)?;

@@ -8,6 +8,7 @@ mod faults;
 mod frames;
 #[path = "../host/mod.rs"]
 mod host;
+mod limits;
 mod memory;
 mod threads;
 

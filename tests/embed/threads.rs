@@ -56,14 +56,15 @@ fn effects_come_and_go_while_frames_are_in_flight() {
     let mut coming: Vec<(usize, Effect)> = Vec::new();
     // How many painted, and how many were given up on the way.
     let (mut started, mut painted, mut given_up) = (0, [0; 5], 0);
-    while painted.contains(&0) || given_up < 5 {
+    while painted.contains(&0) || given_up < 3 {
         frame += 1;
         let slot = &slots[frame as usize % 2];
         slot.wait(&host);
         context.advance(frame, frame - 2);
         while coming.len() < AT_ONCE {
             let number = started % all.len();
-            coming.push((number, Effect::new(&context, desc(&mesh, &all[number].1)).expect("an effect")));
+            let desc = EffectDesc { piece: 100_000_000, ..desc(&mesh, &all[number].1) };
+            coming.push((number, Effect::new(&context, desc).expect("an effect")));
             started += 1;
         }
         host.begin_again(slot.commands);
@@ -78,7 +79,7 @@ fn effects_come_and_go_while_frames_are_in_flight() {
             // Recorded a moment ago, and dropped.
             !ready
         });
-        if frame % 5 == 0 && !coming.is_empty() && painted[coming[0].0] > 0 {
+        if frame % 3 == 0 && !coming.is_empty() && painted[coming[0].0] > 0 {
             coming.remove(0);
             given_up += 1;
         }
@@ -147,7 +148,8 @@ fn frames_may_be_called_by_any_numbers() {
         let context = borrow(&host);
         let mut effect = Effect::new(&context, desc(&mesh, &dependent)).expect("an effect");
         let mut current: u64 = first;
-        while !effect.progress().ready {
+        // Up to where it has looked through its views.
+        while effect.progress().done < 0.1 {
             context.advance(current, current.saturating_sub(late));
             host.run(|commands| {
                 effect.prepare(&mut recorder(&context, commands)).expect("a preparation");

@@ -51,6 +51,21 @@ pub fn default_views() -> Vec<View> {
     around(0.0, 0.0).chain(poles).chain(corners).collect()
 }
 
+/// Checks how many views are asked for, and the side of their pictures.
+///
+/// # Errors
+/// [`Error::Parameter`] for what is out of range.
+pub(crate) fn check_views(views: &[View], view_px: u32) -> Result<()> {
+    if !(1..=MAX_VIEWS).contains(&views.len()) {
+        return Err(Error::parameter("views", views.len(), format!("1 to {MAX_VIEWS}")));
+    }
+    if !SIZE_PX.contains(&view_px) {
+        let allowed = format!("from {} to {} pixels", SIZE_PX.start(), SIZE_PX.end());
+        return Err(Error::parameter("view_px", view_px, allowed));
+    }
+    Ok(())
+}
+
 /// Finds out which views show which faces (thesis chapter 8): says what has to be drawn, takes the pictures, and ends
 /// with the slices, which are the views that are kept, and the slices of every face.
 ///
@@ -174,13 +189,7 @@ impl Coverage {
     /// [`Error::Parameter`] if there are no views or more than [`MAX_VIEWS`], one of their angles is out of range, or
     /// `size_px` is.
     pub fn new(mesh: &Mesh, views: &[View], size_px: u32) -> Result<Self> {
-        if !(1..=MAX_VIEWS).contains(&views.len()) {
-            return Err(Error::parameter("views", views.len(), format!("1 to {MAX_VIEWS}")));
-        }
-        if !SIZE_PX.contains(&size_px) {
-            let allowed = format!("from {} to {} pixels", SIZE_PX.start(), SIZE_PX.end());
-            return Err(Error::parameter("size_px", size_px, allowed));
-        }
+        check_views(views, size_px)?;
         let geometry = Geometry::new(mesh);
         let faces = geometry.triangles.len();
         Ok(Self {

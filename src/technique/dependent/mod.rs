@@ -23,6 +23,7 @@ mod views;
 pub use blend::{blend_weights, MAX_BLENDED};
 pub use carry::Carry;
 pub(crate) use carry::DEPENDENT_CARRY;
+pub(crate) use coverage::check_views;
 pub use coverage::{default_views, Coverage, CoverageReport, Covered, Round, Slice, View, MAX_SLICES, MAX_VIEWS};
 pub use views::ViewCoverage;
 
