@@ -9,7 +9,7 @@ CARGO ?= cargo
 help:
 	@echo "make demo     install what is missing, build, and paint the pictures that demo/index.html shows"
 	@echo "make test     install what is missing, and run every check: format, clippy, rustdoc, tests, shaders"
-	@echo "make bench    measure the stages on this machine's GPU"
+	@echo "make bench    measure the stages on this machine's GPU (whole frames, on all GPUs: impasto bench)"
 	@echo "make shaders  compile glsl/ to the SPIR-V that is checked in (after changing a shader)"
 	@echo "make capi     build the libraries for C, with their header, into target/capi/"
 	@echo "make header   make include/impasto.h again (after changing src/capi)"
@@ -96,6 +96,8 @@ embed-bevy:
 bench:
 	@scripts/setup demo
 	$(CARGO) bench --locked --bench ceilings --bench synthesis --bench techniques --bench metrics
+	@echo "make bench: done. Frames of the techniques, checked, on any number of GPUs:"
+	@echo "    $(CARGO) run --release -- bench --devices all -o DIR"
 
 clean:
 	$(CARGO) clean

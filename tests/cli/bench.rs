@@ -122,6 +122,7 @@ fn devices_that_are_not_there_are_told() {
     let place = Place::new();
     place.fails("bench synthesis/free/256x256 --devices 0,99", 1, &["--devices: device 99 was not found"]);
     place.fails("bench synthesis/free/256x256 --devices nowhere", 1, &["--devices: a device named \"nowhere\""]);
+    place.fails("bench synthesis/free/256x256 --devices 0,", 1, &["--devices: a place of the list is empty"]);
     place.fails("bench synthesis/free/256x256 --device nowhere", 1, &["--device: a device named \"nowhere\""]);
     place.fails("bench synthesis/free/256x256 --device 0 --devices 0", 2, &["--devices"]);
 }

@@ -107,6 +107,15 @@ impl Case {
         Case { id, work, size }
     }
 
+    /// What it is called among the results: in a sustained run figures of frames are those of the slowest round, and not
+    /// to be compared with those of all.
+    pub fn id(&self, sustained: bool) -> String {
+        match self.work {
+            Work::Frame(..) if sustained => self.id.replacen("frame/", "sustained/", 1),
+            _ => self.id.clone(),
+        }
+    }
+
     /// The technique, scene and size that must have been prepared for it, if any: one preparation serves all motions.
     pub fn prepared(&self) -> Option<(TechniqueName, SceneName, Size)> {
         match self.work {

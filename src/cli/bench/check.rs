@@ -7,22 +7,33 @@
 
 use super::results::Check;
 use crate::cli::techniques::TechniqueName;
+use crate::cli::values::Size;
 use std::collections::HashMap;
 
 /// By so much a channel of a pixel may differ before the pixel counts as another.
 const CHANNEL: u8 = 4;
-/// Frames with no more pixels than this are kept, to compare those of further devices with.
-pub const KEPT_PX: u32 = 512 * 512;
+/// So many pixels of a frame are kept, to compare those of further devices with.
+const KEPT_PX: usize = 512 * 512;
+/// Of a picture, at least this part is painted.
+const PAINTED: f64 = 0.01;
 
 /// The share of the painted pixels that may be others than those of another device: somewhat more than the tests of
-/// golden pictures allow, because sequences carry a difference on.
-pub fn share_allowed(technique: TechniqueName) -> f64 {
+/// golden pictures allow, because sequences carry a difference on. Image-based, another block means others after it, the
+/// more the larger a frame is: beyond 512x512 nothing is said.
+pub fn share_allowed(technique: TechniqueName, size: Size) -> f64 {
     match technique {
         TechniqueName::Object => 0.03,
         TechniqueName::Aligned => 0.03,
         TechniqueName::Dependent => 0.1,
-        TechniqueName::Image => 0.25,
+        TechniqueName::Image if size.width as usize * size.height as usize <= KEPT_PX => 0.25,
+        TechniqueName::Image => 1.0,
     }
+}
+
+/// Every so manyth of some texels, so that about [`KEPT_PX`] are left; an odd number, which wanders over the columns.
+fn thinned(texels: &[u8]) -> Vec<u8> {
+    let step = (texels.len() / 4).div_ceil(KEPT_PX) | 1;
+    texels.chunks_exact(4).step_by(step).flatten().copied().collect()
 }
 
 /// The 64-bit FNV-1a hash, in hexadecimal: the same on every machine and in every version of the program.
@@ -66,9 +77,19 @@ impl Outcome {
         }
     }
 
-    /// It must look like this picture of RGBA texels, all but a share of the pixels that either has painted.
+    /// It must be a picture of RGBA texels with something in it: a device that draws nothing is quick.
+    pub fn must_be_painted(&mut self) {
+        let texels = || self.bytes().chunks_exact(4);
+        let painted = || texels().filter(|texel| texel[3] != 0);
+        let enough = painted().count() as f64 >= PAINTED * texels().count() as f64;
+        if !enough || painted().all(|texel| Some(texel) == painted().next()) {
+            self.wrong.push("there is nothing in the picture".to_owned());
+        }
+    }
+
+    /// It must look like this picture of RGBA texels, [`thinned`], all but a share of the pixels that either has painted.
     pub fn must_look_like(&mut self, expected: &[u8], whose: &str, share: f64) {
-        let own = self.bytes();
+        let own = thinned(self.bytes());
         if own.len() != expected.len() {
             self.wrong.push(format!("another size than {whose}: {} bytes, not {}", own.len(), expected.len()));
             return;
@@ -98,27 +119,29 @@ pub struct References(HashMap<String, Reference>);
 struct Reference {
     device: String,
     hash: String,
-    /// Where it is kept.
+    /// [`thinned`], if it is one.
     picture: Option<Vec<u8>>,
 }
 
 impl References {
-    /// Compares what a device gave with what the first one did or, if this is the first, remembers it: the bytes of
-    /// small pictures, and the hash of everything. `share` is that of pixels that may differ, `None` if no byte may.
+    /// Compares what a device gave with what the first one did with which nothing was wrong or, if this is the first,
+    /// remembers it: some of the pixels of pictures, and the hash of everything. `share` is that of pixels that may differ, `None` if no byte may.
     pub fn compare(&mut self, id: &str, device: &str, outcome: &mut Outcome, share: Option<f64>) {
         let Some(first) = self.0.get(id) else {
+            // What is wrong by itself says nothing about others.
+            if !outcome.wrong.is_empty() {
+                return;
+            }
             let bytes = outcome.bytes();
-            let small = bytes.len() <= 4 * KEPT_PX as usize;
-            let picture = (share.is_some() && small).then(|| bytes.to_vec());
+            let picture = share.map(|_| thinned(bytes));
             let reference = Reference { device: device.to_owned(), hash: hash(bytes), picture };
             self.0.insert(id.to_owned(), reference);
             return;
         };
         let whose = format!("those of {}", first.device);
         match (share, &first.picture) {
-            (None, _) => outcome.must_be(&first.hash, &whose),
             (Some(share), Some(picture)) => outcome.must_look_like(picture, &whose, share),
-            (Some(_), None) => {}
+            _ => outcome.must_be(&first.hash, &whose),
         }
     }
 }
@@ -182,6 +205,38 @@ mod tests {
     }
 
     #[test]
+    fn large_pictures_are_compared_in_some_of_their_pixels() {
+        let large = [10, 20, 30, 255].repeat(4 * KEPT_PX);
+        assert_eq!(thinned(&large).len(), 4 * (4 * KEPT_PX).div_ceil(5));
+        assert_eq!(thinned(&large[..4 * KEPT_PX]), large[..4 * KEPT_PX]);
+        let mut references = References::default();
+        let mut compare = |device: &str, bytes: &[u8]| {
+            let mut outcome = of(bytes);
+            references.compare("frame", device, &mut outcome, Some(0.1));
+            outcome.check().is_ok()
+        };
+        let (few, many) = ([&[0; 400][..], &large[400..]].concat(), [&large[large.len() / 2..], &large].concat());
+        let half = [&vec![0; large.len() / 2][..], &large[large.len() / 2..]].concat();
+        assert!(compare("A", &large) && compare("B", &few) && !compare("C", &half) && !compare("D", &many));
+        let (small, large) = (Size { width: 512, height: 512 }, Size { width: 513, height: 512 });
+        assert!(share_allowed(TechniqueName::Image, small) < 1.0 && share_allowed(TechniqueName::Image, large) == 1.0);
+        assert!(share_allowed(TechniqueName::Dependent, large) < 1.0);
+    }
+
+    #[test]
+    fn a_picture_without_anything_in_it_is_wrong() {
+        let verdict = |pixels: &[[u8; 4]]| {
+            let mut outcome = of(&[pixels.as_flattened(), &[0; 4 * 100][..]].concat());
+            outcome.must_be_painted();
+            outcome.check().verdict
+        };
+        for blank in [&[][..], &[[1, 2, 3, 255]; 50], &[[1, 2, 3, 255]], &[[1, 2, 3, 0], [3, 2, 1, 0]]] {
+            assert_eq!(verdict(blank), "there is nothing in the picture", "{blank:?}");
+        }
+        assert_eq!(verdict(&[[1, 2, 3, 255], [3, 2, 1, 255]]), "ok");
+    }
+
+    #[test]
     fn further_devices_are_compared_with_the_first() {
         let mut references = References::default();
         let mut compare = |device: &str, bytes: &[u8], share| {
@@ -195,5 +250,19 @@ mod tests {
         assert_eq!(compare("B", &[2, 2, 3, 255], Some(0.0)), "ok");
         assert!(compare("C", &[2, 2, 3, 255], None).contains("other bytes than those of A"));
         assert!(compare("C", &[9, 2, 3, 255], Some(0.0)).contains("from those of A"));
+    }
+
+    #[test]
+    fn what_is_known_to_be_wrong_is_nothing_to_compare_with() {
+        let mut references = References::default();
+        let mut compare = |device: &str, bytes: &[u8]| {
+            let mut outcome = of(bytes);
+            outcome.must_be(&hash(b"right"), "those of the CPU oracle");
+            references.compare("synthesis", device, &mut outcome, None);
+            outcome.check().verdict
+        };
+        assert!(compare("A", b"wrong").starts_with("other bytes than those of the CPU oracle"));
+        assert_eq!(compare("B", b"right"), "ok");
+        assert!(compare("C", b"other").contains("other bytes than those of B"));
     }
 }

@@ -21,7 +21,9 @@ pub struct Comparison {
 /// A device in both runs.
 #[derive(Debug, Clone, Serialize)]
 pub struct DeviceComparison {
-    /// Its name in the new run.
+    /// Its place in Vulkan's enumeration in the new run.
+    pub index: usize,
+    /// Its name there.
     pub name: String,
     /// What differs in device and driver, and measurements that only one run has or that cannot be compared.
     pub notes: Vec<String>,
@@ -102,6 +104,8 @@ impl DeviceComparison {
     fn new(old: &DeviceResults, new: &DeviceResults) -> Self {
         let mut notes = differences("device", &old.device, &new.device);
         for (one, whose) in [(old, "earlier"), (new, "new")] {
+            let failed = one.failures.iter().map(|one| format!("failed in the {whose} run: {}: {}", one.id, one.error));
+            notes.extend(failed);
             notes.extend(one.error.iter().map(|error| format!("the {whose} run gave the device up: {error}")));
             let wrong = one.measurements.iter().filter(|one| !one.check.is_ok());
             notes.extend(wrong.map(|wrong| format!("wrong in the {whose} run: {}: {}", wrong.id, wrong.check.verdict)));
@@ -118,7 +122,7 @@ impl DeviceComparison {
         }
         let gone = old.measurements.iter().filter(|one| find(new, &one.id).is_none());
         notes.extend(gone.map(|one| format!("only in the earlier run: {}", one.id)));
-        DeviceComparison { name: new.device.name.clone(), notes, rows }
+        DeviceComparison { index: new.device.index, name: new.device.name.clone(), notes, rows }
     }
 
     /// How many changed, and by how much on the whole, by one clock; `None` if it was not read.
@@ -234,7 +238,7 @@ mod tests {
             assert!(device.changed_bytes().is_empty());
         }
         assert!(comparison.devices[0].notes.is_empty());
-        assert_eq!(comparison.devices[1].notes.len(), 4, "given up and wrong, in both runs");
+        assert_eq!(comparison.devices[1].notes.len(), 6, "failed, given up and wrong, in both runs");
     }
 
     #[test]

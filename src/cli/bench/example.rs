@@ -52,6 +52,10 @@ fn device(index: usize, name: &str, slow: f64) -> DeviceResults {
     if slow > 1.0 {
         measurements[0].check.verdict = "bytes change from round to round | twice".into();
     }
+    let failed = FailedMeasurement {
+        id: "frame/image/head/cut/3840x2160".into(),
+        error: "canvas needs 5 bytes, but 4 | are left".into(),
+    };
     DeviceResults {
         device: Device {
             index,
@@ -69,6 +73,7 @@ fn device(index: usize, name: &str, slow: f64) -> DeviceResults {
         open_ms: 120.0,
         compile_ms: BTreeMap::from([("image".to_owned(), 30.5), ("aligned".to_owned(), 12.25)]),
         measurements,
+        failures: if slow > 1.0 { vec![failed] } else { Vec::new() },
         error: (slow > 1.0).then(|| "the device was lost".to_owned()),
     }
 }

@@ -69,8 +69,8 @@ mod tests {
                 false => width = None,
             }
         }
-        // Five kinds and two details on two devices, two tables side by side, two of comparison.
-        assert_eq!(tables, 2 * (5 + 2) + 2 + 2, "{text}");
+        // Five kinds and two details on two devices, two tables side by side, two of comparison, one of failures.
+        assert_eq!(tables, 2 * (5 + 2) + 2 + 2 + 1, "{text}");
     }
 
     #[test]

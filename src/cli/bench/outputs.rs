@@ -136,6 +136,7 @@ mod tests {
             serde_json::Value::Array(all) if all.iter().any(serde_json::Value::is_object) => {
                 all.iter().for_each(|value| fields(&format!("{name}[]"), value, into));
             }
+            serde_json::Value::Array(none) if none.is_empty() => {}
             _ => drop(into.insert(name.replace("[].wall.", "[].gpu."))),
         }
     }

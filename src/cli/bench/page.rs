@@ -37,7 +37,7 @@ mod tests {
         let html = html(&example_parts()).expect("a page");
         assert_balanced(&html, &["meta"]);
         assert_eq!((html.matches("<svg ").count(), html.matches("<h2>Plots</h2>").count()), (3, 1));
-        assert_eq!(html.matches("<table>").count(), 2 * (5 + 2) + 2 + 2);
+        assert_eq!(html.matches("<table>").count(), 2 * (5 + 2) + 2 + 2 + 1);
         assert!(html.contains("<h2>D1: A &lt;Slow&gt; &quot;GPU&quot;, | old</h2>"), "{html}");
         let elsewhere = html.replace("http://www.w3.org/2000/svg", "");
         for word in ["http", "<script", "<link", "@import", "url(", "<Slow>"] {

@@ -4,7 +4,13 @@ use super::super::failure::{Failure, Result};
 use super::results::{Results, Samples, SCHEMA};
 use serde::Deserialize;
 use serde_json::Value;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
+
+/// The most bytes that are read: what is longer is no document of ours. A full, sustained run has a few million.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// What tells whether a document is one of ours. Unknown fields are no error, here nor in the rest.
 #[derive(Deserialize)]
@@ -17,8 +23,17 @@ struct Head {
 
 /// The document in a file.
 pub fn load(path: &Path) -> Result<Results> {
-    let text = std::fs::read_to_string(path).map_err(|error| failure(path, error))?;
-    parse(&text, path)
+    let file = File::open(path).map_err(|error| failure(path, error))?;
+    parse(&read(file, MOST_BYTES).map_err(|error| failure(path, error))?, path)
+}
+
+/// All that is in there, if that is no more than `most` bytes.
+fn read(from: impl Read, most: u64) -> std::io::Result<String> {
+    let mut text = String::new();
+    match from.take(most + 1).read_to_string(&mut text)? as u64 > most {
+        true => Err(std::io::Error::other(format!("is longer than {most} bytes"))),
+        false => Ok(text),
+    }
 }
 
 fn parse(text: &str, path: &Path) -> Result<Results> {
@@ -40,8 +55,14 @@ fn parse(text: &str, path: &Path) -> Result<Results> {
     Ok(results)
 }
 
-/// No time or rate is negative. (JSON has no number that is not finite.)
+/// No time or rate is negative. (JSON has no number that is not finite.) Every name is that of one measurement.
 fn check(results: &Results) -> std::result::Result<(), String> {
+    for device in &results.devices {
+        let mut names = BTreeSet::new();
+        if let Some(twice) = device.measurements.iter().find(|one| !names.insert(&one.id)) {
+            return Err(format!("{} is there twice for {}", twice.id, device.device.name));
+        }
+    }
     for one in results.devices.iter().flat_map(|device| &device.measurements) {
         for (name, samples) in [("gpu", &one.gpu), ("wall", &one.wall)] {
             let Some(Samples { p50, p90, p95, p99, min, max, raw }) = samples else { continue };
@@ -110,6 +131,37 @@ mod tests {
         assert!(wrong(json!("3")).contains("invalid type: string"));
         let negative = wrong(json!(-3.0));
         assert!(negative.contains("frame/image/head/light-orbit/640x360: a number of \"gpu\" is -3"), "{negative}");
+    }
+
+    #[test]
+    fn numbers_are_read_as_they_were_written() {
+        let mut results = example();
+        // Some of these are read as their neighbours unless the parser takes care.
+        let raw: Vec<f64> = (1..1000).map(|number| f64::from(number).sqrt() / 7.0).collect();
+        results.devices[0].measurements[0].wall = Samples::of(raw.clone());
+        let read = parsed(&to_value(results).expect("JSON")).expect("results");
+        let wall = read.devices[0].measurements[0].wall.as_ref();
+        assert_eq!(
+            wall.map(|wall| wall.raw.iter().map(|ms| ms.to_bits()).collect::<Vec<_>>()),
+            Some(raw.iter().map(|ms| ms.to_bits()).collect())
+        );
+    }
+
+    #[test]
+    fn a_run_without_failures_is_read_where_none_are_named() {
+        let mut value = to_value(example()).expect("JSON");
+        value["devices"][0].as_object_mut().expect("an object").remove("failures");
+        assert!(parsed(&value).expect("results").devices[0].failures.is_empty());
+    }
+
+    #[test]
+    fn what_is_too_long_or_there_twice_is_refused() {
+        assert_eq!(read(&b"12345"[..], 5).expect("short enough"), "12345");
+        assert!(read(std::io::repeat(b'0'), 5).is_err_and(|error| error.to_string() == "is longer than 5 bytes"));
+        let mut results = example();
+        results.devices[0].measurements[1].id = results.devices[0].measurements[0].id.clone();
+        let told = refused(&to_value(results).expect("JSON").to_string());
+        assert!(told.contains("frame/image/head/light-orbit/640x360 is there twice for A Fast GPU"), "{told}");
     }
 
     #[test]

@@ -71,9 +71,12 @@ fn checks(results: &Results) -> String {
         .filter(|(_, one)| !one.check.is_ok())
         .map(|(device, one)| format!("{} {} ({})", short_name(device), one.id, one.check.verdict))
         .collect();
-    match wrong.len() {
-        0 => format!("All {} results are right.", all().count()),
-        count => format!("{count} of {} results are WRONG: {}.", all().count(), wrong.join("; ")),
+    let failed: usize = results.devices.iter().map(|device| device.failures.len()).sum();
+    let failed = if failed > 0 { format!(" {failed} could not be measured.") } else { String::new() };
+    match (wrong.len(), all().count()) {
+        (0, 0) => format!("There are no results.{failed}"),
+        (0, all) => format!("All {all} results are right.{failed}"),
+        (count, all) => format!("{count} of {all} results are WRONG: {}.{failed}", wrong.join("; ")),
     }
 }
 
@@ -90,6 +93,9 @@ fn add_device(parts: &mut Vec<Part>, one: &DeviceResults) {
         fact("opened in", format!("{:.1} ms; its driver first compiled pipelines for {compile:.1} ms", one.open_ms)),
     ]));
     parts.extend(one.error.iter().map(|error| Part::Note(format!("The device was given up: {error}"))));
+    if !one.failures.is_empty() {
+        parts.push(Part::Table("What could not be measured".to_owned(), tables::failed(one)));
+    }
     let tables = tables::by_kind(one).into_iter();
     parts.extend(tables.map(|(heading, table)| Part::Table(heading.to_owned(), table)));
     let details = [
@@ -104,7 +110,7 @@ fn add_comparison(parts: &mut Vec<Part>, path: &Path, comparison: &Comparison) {
     parts.push(Part::Heading(format!("Compared with {}", path.display())));
     parts.extend(comparison.notes.iter().map(|note| Part::Note(note.clone())));
     for device in &comparison.devices {
-        parts.push(Part::Heading(format!("{}, then and now", device.name)));
+        parts.push(Part::Heading(format!("D{}: {}, then and now", device.index, device.name)));
         parts.extend(device.notes.iter().map(|note| Part::Note(note.clone())));
         let changed = device.changed_bytes();
         if !changed.is_empty() {
@@ -113,7 +119,9 @@ fn add_comparison(parts: &mut Vec<Part>, path: &Path, comparison: &Comparison) {
         }
         let summaries = [Clock::Gpu, Clock::Wall].into_iter().filter_map(|clock| device.summary(clock));
         parts.extend(summaries.map(Part::Note));
-        parts.push(Part::Table("Medians".into(), compared(device)));
+        if !device.rows.is_empty() {
+            parts.push(Part::Table("Medians".into(), compared(device)));
+        }
     }
 }
 
@@ -167,11 +175,13 @@ pub mod tests {
     #[test]
     fn wrong_results_are_told_first() {
         let wrong = "1 of 24 results are WRONG: D1 frame/image/head/light-orbit/640x360 \
-                     (bytes change from round to round | twice).";
+                     (bytes change from round to round | twice). 1 could not be measured.";
         assert_eq!(notes()[0], wrong);
         let mut results = example();
         results.devices.truncate(1);
         assert_eq!(checks(&results), "All 12 results are right.");
+        results.devices[0].measurements.clear();
+        assert_eq!(checks(&results), "There are no results.");
     }
 
     #[test]

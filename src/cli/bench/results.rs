@@ -78,8 +78,20 @@ pub struct DeviceResults {
     pub compile_ms: BTreeMap<String, f64>,
     /// What was measured, in order.
     pub measurements: Vec<Measurement>,
+    /// What could not be measured, in order.
+    #[serde(default)]
+    pub failures: Vec<FailedMeasurement>,
     /// Why the device was given up, if it was.
     pub error: Option<String>,
+}
+
+/// What could not be measured.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FailedMeasurement {
+    /// Its name, as that of a [`Measurement`].
+    pub id: String,
+    /// Why.
+    pub error: String,
 }
 
 /// A device, as Vulkan tells of it.

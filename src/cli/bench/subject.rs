@@ -6,14 +6,14 @@
 
 use super::catalogue::{technique_name, Case, MotionName, SceneName, Work};
 use super::check::{share_allowed, Outcome, References};
-use super::results::{Kind, Measurement};
+use super::results::{FailedMeasurement, Kind, Measurement, Telemetry};
 use super::rounds::{Figures, Rounds, Time};
 use super::scenes::Model;
 use super::synthesis::Problem;
 use super::telemetry::Reader;
 use super::throughput::Stream;
 use super::Effort;
-use crate::cli::failure::Result;
+use crate::cli::failure::{Failure, Result};
 use crate::cli::image_frames::{Continuity, NextFrame};
 use crate::cli::painter::{Painter, Scene};
 use crate::cli::progress::Progress;
@@ -34,8 +34,6 @@ use impasto::technique::Show;
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
-/// Side of the pictures with which pipelines are compiled.
-const SMALL: Size = Size { width: 128, height: 128 };
 /// Side of the texture of each view, pixels.
 const VIEW_PX: u32 = 512;
 
@@ -49,7 +47,7 @@ pub struct Shared {
 }
 
 impl Shared {
-    fn model(&mut self, scene: SceneName) -> Result<Rc<Model>> {
+    pub(super) fn model(&mut self, scene: SceneName) -> Result<Rc<Model>> {
         if let Some(model) = self.models.get(&scene) {
             return Ok(model.clone());
         }
@@ -77,68 +75,50 @@ pub struct Subject<'a> {
     /// Milliseconds, by technique.
     pub compile_ms: BTreeMap<String, f64>,
     pub measurements: Vec<Measurement>,
+    pub failures: Vec<FailedMeasurement>,
+    /// What was prepared before.
+    pub warm: Vec<(TechniqueName, Size)>,
+    /// How the device was when something was measured last.
+    pub state: Option<Telemetry>,
     /// The hash that throughput has with the first number of frames in flight.
     pub stream_hash: Option<String>,
 }
 
 impl Subject<'_> {
-    /// Measures these cases in their order.
+    /// Measures these cases in their order. A case that fails is told among the failures, and the next one follows.
+    ///
+    /// # Errors
+    /// What the device failed at when it was lost or stuck.
     pub fn measure(&mut self, cases: &[Case]) -> Result {
         self.compile(cases)?;
         for group in cases.chunk_by(|a, b| a.prepared().is_some() && a.prepared() == b.prepared()) {
-            match (group[0].prepared(), group[0].work) {
-                (Some((technique, scene, size)), _) => self.prepared(technique, scene, size, group)?,
-                (None, Work::Throughput { in_flight }) => self.throughput(&group[0], in_flight)?,
-                (None, _) => self.synthesis(&group[0])?,
-            }
+            let result = match (group[0].prepared(), group[0].work) {
+                (Some((technique, scene, size)), _) => self.prepared(technique, scene, size, group),
+                (None, Work::Throughput { in_flight }) => self.throughput(&group[0], in_flight),
+                (None, _) => self.synthesis(&group[0]),
+            };
+            self.go_on(group, result)?;
         }
         Ok(())
     }
 
-    /// Compiles what the cases need, in small pictures, so that no measurement has any of it.
-    fn compile(&mut self, cases: &[Case]) -> Result {
-        if cases.iter().any(|case| matches!(case.work, Work::Synthesis { .. })) {
-            let before = self.device.context.compile_time();
-            let mut late_ms = 0.0;
-            for guided in [false, true] {
-                let case = Case { id: String::new(), work: Work::Synthesis { guided }, size: SMALL };
-                let problem = Problem::of(&case, self.quilt_params())?;
-                let quilt = self.quilt(&problem)?;
-                let (_, first) = Time::of(&mut self.device, |device| self.effort.synthesise(device, &quilt))?;
-                let (_, second) = Time::of(&mut self.device, |device| self.effort.synthesise(device, &quilt))?;
-                late_ms += (first.wall_ms - second.wall_ms).max(0.0);
-            }
-            let making_ms = milliseconds(self.device.context.compile_time() - before);
-            self.compile_ms.insert("synthesis".to_owned(), making_ms + late_ms);
-        }
-        let mut techniques = Vec::new();
+    /// Takes note that those of the cases failed that have not been measured.
+    fn go_on(&mut self, cases: &[Case], result: Result) -> Result {
+        let Err(failure) = result else { return Ok(()) };
         for case in cases {
-            let technique = match case.work {
-                Work::Preparation(technique, _) | Work::Frame(technique, ..) => technique,
-                Work::Throughput { .. } => TechniqueName::Image,
-                Work::Synthesis { .. } => continue,
-            };
-            if !techniques.contains(&technique) {
-                techniques.push(technique);
+            let id = case.id(self.effort.sustained);
+            let known = self.failures.iter().any(|one| one.id == id);
+            if !known && !self.measurements.iter().any(|one| one.id == id) {
+                self.failures.push(FailedMeasurement { id, error: failure.0.clone() });
+                self.progress.step();
             }
         }
-        for technique in techniques {
-            let model = self.shared.model(SceneName::Head)?;
-            let moments = model.moments(MotionName::CameraOrbit, 3, 1.0)?;
-            let scene = Scene { mesh: &model.mesh, moment: moments[0].clone(), size: SMALL };
-            let before = self.device.context.compile_time();
-            let mut painter = self.painter(&scene, &model, technique)?;
-            let mut late_ms = 0.0;
-            // A first frame, and one that goes on from another.
-            for numbers in [[0, 0], [1, 2]] {
-                let [first, second] =
-                    numbers.map(|number| self.frame(&mut painter, &moments[number], number as u32, number == 0));
-                late_ms += (first?.wall_ms - second?.wall_ms).max(0.0);
-            }
-            let making_ms = milliseconds(self.device.context.compile_time() - before);
-            self.compile_ms.insert(technique_name(technique), making_ms + late_ms);
-        }
-        Ok(())
+        self.if_alive(failure)
+    }
+
+    /// Fails if the device does not run anything any more: it is lost, or stuck.
+    pub(super) fn if_alive(&mut self, failure: Failure) -> Result {
+        self.device.runner.run(|_| Ok(())).map_err(|_| failure)
     }
 
     /// Prepares a technique for a scene and a size, and measures all that asks for it.
@@ -147,10 +127,14 @@ impl Subject<'_> {
         self.device.check_size(size)?;
         let rest = &model.moments(MotionName::CameraOrbit, 1, size.aspect())?[0];
         let scene = Scene { mesh: &model.mesh, moment: rest.clone(), size };
-        let measured = cases.iter().find(|case| matches!(case.work, Work::Preparation(..)));
+        let measured = cases.iter().any(|case| matches!(case.work, Work::Preparation(..)));
         let (mut rounds, mut outcome) = (Rounds::default(), Outcome::default());
         let mut painter = None;
-        for _ in 0..measured.map_or(1, |_| self.effort.preparations) {
+        // Before the first that counts comes one after which the driver has nothing to compile or to fetch any more.
+        let warm_up = u32::from(measured && !self.warm.contains(&(technique, size)));
+        self.warm.push((technique, size));
+        let counting = if measured { self.effort.preparations } else { 1 };
+        for number in 0..warm_up + counting {
             // The memory of the last one goes first.
             drop(painter.take());
             self.device.upload(&mut Uploads::default())?;
@@ -159,9 +143,12 @@ impl Subject<'_> {
             let start = std::time::Instant::now();
             let mut made = self.painter(&scene, &model, technique)?;
             let wall = start.elapsed();
-            let gpu_ns: u64 = self.device.runner.take_times().iter().map(|time| time.total_ns).sum();
+            self.look();
             let wall_ms = milliseconds(wall.saturating_sub(self.device.context.compile_time() - before));
-            rounds.add(vec![Time { gpu_ms: gpu_ns as f64 / 1e6, wall_ms }]);
+            let time = Time::new(&mut self.device, wall_ms);
+            if number >= warm_up {
+                rounds.add(vec![time]);
+            }
             self.frame(&mut made, rest, 0, true)?;
             outcome.round(self.device.runner.read_image(made.image())?);
             painter = Some(made);
@@ -169,24 +156,38 @@ impl Subject<'_> {
         let Some(mut painter) = painter else { return Ok(()) };
         for case in cases {
             match case.work {
-                Work::Frame(_, _, motion) => self.frames(&mut painter, case, &model, technique, motion)?,
+                Work::Frame(_, _, motion) => {
+                    let result = self.frames(&mut painter, case, &model, technique, motion);
+                    self.go_on(std::slice::from_ref(case), result)?;
+                }
                 _ => {
                     let figures = std::mem::take(&mut rounds).figures(false, false);
-                    self.row(case, figures, std::mem::take(&mut outcome), Some(share_allowed(technique)));
+                    self.row(case, figures, std::mem::take(&mut outcome), Some(share_allowed(technique, case.size)));
                 }
             }
         }
         Ok(())
     }
 
-    fn painter<'s>(&mut self, scene: &'s Scene<'s>, model: &Model, technique: TechniqueName) -> Result<Painter<'s>> {
+    pub(super) fn painter<'s>(
+        &mut self,
+        scene: &'s Scene<'s>,
+        model: &Model,
+        technique: TechniqueName,
+    ) -> Result<Painter<'s>> {
         let quilt = self.quilt_params();
         let chosen = chosen(technique, quilt);
         Painter::new(&mut self.session, &mut self.device, scene, &model.paints, &chosen)
     }
 
     /// Draws a frame, and takes its time.
-    fn frame(&mut self, painter: &mut Painter<'_>, moment: &Moment, number: u32, fresh: bool) -> Result<Time> {
+    pub(super) fn frame(
+        &mut self,
+        painter: &mut Painter<'_>,
+        moment: &Moment,
+        number: u32,
+        fresh: bool,
+    ) -> Result<Time> {
         let next = NextFrame { fresh, ..NextFrame::alone(moment, number) };
         let (_, time) = Time::of(&mut self.device, |device| {
             painter.advance(None, device, &next)?;
@@ -210,18 +211,24 @@ impl Subject<'_> {
             for (number, moment) in (0..).zip(&moments) {
                 times.push(self.frame(painter, moment, number, motion.is_fresh(number))?);
             }
+            self.look();
             rounds.add(times.split_off(self.effort.warm_up as usize));
             outcome.round(self.device.runner.read_image(painter.image())?);
         }
-        self.row(case, rounds.figures(self.effort.sustained, false), outcome, Some(share_allowed(technique)));
+        self.row(
+            case,
+            rounds.figures(self.effort.sustained, false),
+            outcome,
+            Some(share_allowed(technique, case.size)),
+        );
         Ok(())
     }
 
-    fn quilt_params(&self) -> QuiltParams {
+    pub(super) fn quilt_params(&self) -> QuiltParams {
         QuiltParams { seed: self.effort.seed, ..QuiltParams::default() }
     }
 
-    fn quilt(&mut self, problem: &Problem) -> Result<Quilt> {
+    pub(super) fn quilt(&mut self, problem: &Problem) -> Result<Quilt> {
         let mut uploads = Uploads::default();
         let stages = self.session.quilt_stages(&mut self.device, SearchFlag::Auto)?;
         let quilt = problem.prepare(&self.device.context, &mut uploads, &stages)?;
@@ -237,6 +244,7 @@ impl Subject<'_> {
         let (mut rounds, mut outcome) = (Rounds::default(), Outcome::default());
         for _ in 0..self.effort.rounds {
             let (_, time) = Time::of(&mut self.device, |device| self.effort.synthesise(device, &quilt))?;
+            self.look();
             rounds.add(vec![time.rate(blocks)]);
             outcome.round(self.device.runner.read_image(quilt.canvas())?);
         }
@@ -255,24 +263,33 @@ impl Subject<'_> {
         stream.run(&self.device, &moments[..in_flight as usize], in_flight)?;
         let (mut rounds, mut outcome) = (Rounds::default(), Outcome::default());
         for _ in 0..self.effort.rounds {
-            rounds.add(vec![stream.run(&self.device, &moments, in_flight)?.rate(1)]);
+            let time = stream.run(&self.device, &moments, in_flight)?;
+            self.look();
+            rounds.add(vec![time.rate(1)]);
             outcome.round(stream.read(&mut self.device)?);
         }
         match &self.stream_hash {
             Some(hash) => outcome.must_be(hash, "those with another number of frames in flight"),
             None => self.stream_hash = Some(outcome.check().hash),
         }
-        let share = share_allowed(TechniqueName::Image);
+        let share = share_allowed(TechniqueName::Image, case.size);
         self.row(case, rounds.figures(self.effort.sustained, true), outcome, Some(share));
         Ok(())
+    }
+
+    /// Takes note of how the device is, before anything else lets it idle.
+    fn look(&mut self) {
+        self.state = self.telemetry.as_ref().and_then(Reader::read);
     }
 
     /// Adds a row. `share` is that of pixels that may differ from the first device's.
     fn row(&mut self, case: &Case, figures: Figures, mut outcome: Outcome, share: Option<f64>) {
         let device = self.device.context.device_info();
         let whose = format!("{} (device {})", device.name, device.index);
+        if share.is_some() {
+            outcome.must_be_painted();
+        }
         self.shared.references.compare(&case.id, &whose, &mut outcome, share);
-        let name = case.id.clone();
         let (kind, technique, scene, motion) = match case.work {
             Work::Preparation(technique, scene) => (Kind::Preparation, Some(technique), Some(scene), None),
             Work::Frame(technique, scene, motion) => (Kind::Frame, Some(technique), Some(scene), Some(motion)),
@@ -282,11 +299,7 @@ impl Subject<'_> {
                 (Kind::Throughput, Some(TechniqueName::Image), Some(SceneName::Head), moving)
             }
         };
-        // Its figures are those of the slowest round, and not to be compared with those of all.
-        let (kind, id) = match kind {
-            Kind::Frame if self.effort.sustained => (Kind::Sustained, name.replacen("frame/", "sustained/", 1)),
-            _ => (kind, name),
-        };
+        let kind = if kind == Kind::Frame && self.effort.sustained { Kind::Sustained } else { kind };
         let in_flight = match case.work {
             Work::Throughput { in_flight } => Some(in_flight),
             _ => None,
@@ -297,7 +310,7 @@ impl Subject<'_> {
             Kind::Throughput => ("frames/s", true),
         };
         self.measurements.push(Measurement {
-            id,
+            id: case.id(self.effort.sustained),
             kind,
             technique: technique.map(technique_name),
             scene: scene.map(|scene| scene.name().to_owned()),
@@ -311,7 +324,7 @@ impl Subject<'_> {
             round_p50: figures.round_p50,
             memory_bytes: self.device.context.allocated_bytes(),
             check: outcome.check(),
-            telemetry: self.telemetry.as_ref().and_then(Reader::read),
+            telemetry: self.state.take(),
         });
         self.progress.step();
     }
@@ -319,7 +332,7 @@ impl Subject<'_> {
 
 impl Effort {
     /// One synthesis, in submissions of bounded work.
-    fn synthesise(&self, device: &mut Device, quilt: &Quilt) -> Result {
+    pub(super) fn synthesise(&self, device: &mut Device, quilt: &Quilt) -> Result {
         for part in quilt.parts(PART_COMPARISONS) {
             device.runner.run(|recorder| {
                 quilt.record_part(recorder, part, self.seed, 0);
@@ -345,6 +358,6 @@ fn chosen(technique: TechniqueName, quilt: QuiltParams) -> Chosen {
     Chosen { technique, quilt, search: SearchFlag::Auto, k: None, levels: false }
 }
 
-fn milliseconds(time: std::time::Duration) -> f64 {
+pub(super) fn milliseconds(time: std::time::Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }

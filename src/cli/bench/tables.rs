@@ -63,21 +63,39 @@ pub fn by_kind(device: &DeviceResults) -> Vec<(&'static str, Table)> {
     KINDS.into_iter().filter_map(table).collect()
 }
 
+/// What a device could not be measured in, and why.
+pub fn failed(device: &DeviceResults) -> Table {
+    let mut table = Table::new(["measurement", "why"]);
+    for failure in &device.failures {
+        table.row([failure.id.as_str().into(), failure.error.as_str().into()]);
+    }
+    table
+}
+
+/// Rows of one kind. What is not the median is on the bad side of it: high for times, low for rates.
 fn measured(rows: &[&Measurement]) -> Table {
-    let numbers = ["GPU p50", "p95", "wall p50", "p95", "max"];
-    let headers = std::iter::once("measurement").chain(numbers).chain(["unit", "MiB", "check"]);
-    let mut table = Table::new(headers);
+    type Column = (&'static str, Clock, fn(&Samples) -> f64);
+    const TIMES: &[Column] = &[
+        ("GPU p50", Clock::Gpu, |all| all.p50),
+        ("p95", Clock::Gpu, |all| all.p95),
+        ("wall p50", Clock::Wall, |all| all.p50),
+        ("p95", Clock::Wall, |all| all.p95),
+        ("max", Clock::Wall, |all| all.max),
+    ];
+    const RATES: &[Column] = &[
+        ("GPU p50", Clock::Gpu, |all| all.p50),
+        ("min", Clock::Gpu, |all| all.min),
+        ("wall p50", Clock::Wall, |all| all.p50),
+        ("min", Clock::Wall, |all| all.min),
+    ];
+    let columns = if rows.iter().all(|one| one.more_is_better) { RATES } else { TIMES };
+    let headers = std::iter::once("measurement").chain(columns.iter().map(|(header, ..)| *header));
+    let mut table = Table::new(headers.chain(["unit", "MiB", "check"]));
     for one in rows {
-        let figures = [
-            one.gpu.as_ref().map(|gpu| gpu.p50),
-            one.gpu.as_ref().map(|gpu| gpu.p95),
-            one.wall.as_ref().map(|wall| wall.p50),
-            one.wall.as_ref().map(|wall| wall.p95),
-            one.wall.as_ref().map(|wall| wall.max),
-        ];
+        let figures = columns.iter().map(|(_, clock, of)| figure(clock.of(one).map(of)));
         let mebibytes = Cell::Number(one.memory_bytes as f64 / f64::from(1 << 20), 1);
         let end = [one.unit.as_str().into(), mebibytes, one.check.verdict.as_str().into()];
-        table.row(std::iter::once(one.id.as_str().into()).chain(figures.map(figure)).chain(end));
+        table.row(std::iter::once(one.id.as_str().into()).chain(figures).chain(end));
     }
     table
 }
@@ -168,6 +186,24 @@ mod tests {
         assert_eq!(text.lines().count(), 1 + 6, "{text}");
         let row = "frame/aligned/head/light-orbit/1920x1080    2.074  2.592     2.574  3.092  3.092  ms    48.0  ok";
         assert!(text.contains(row), "{text}");
+    }
+
+    #[test]
+    fn beside_the_median_stands_the_bad_side_of_it() {
+        let mut device = example().devices.remove(0);
+        device.measurements.retain(|one| one.kind == Kind::Throughput);
+        device.measurements[0].wall = Samples::of(vec![100.0, 90.0, 110.0]);
+        let rates = by_kind(&device).remove(0).1.text();
+        let lines: Vec<Vec<&str>> = rates.lines().map(|line| line.split_whitespace().collect()).collect();
+        assert_eq!(lines[0][1..], ["GPU", "p50", "min", "wall", "p50", "min", "unit", "MiB", "check"], "{rates}");
+        assert_eq!(lines[1][1..], ["-", "-", "100.0", "90.00", "frames/s", "48.0", "ok"], "{rates}");
+    }
+
+    #[test]
+    fn what_failed_is_told_with_its_reason() {
+        let text = failed(&example().devices[1]).text();
+        assert!(text.contains("frame/image/head/cut/3840x2160  canvas needs 5 bytes, but 4 | are left"), "{text}");
+        assert_eq!(failed(&example().devices[0]).rows().count(), 0);
     }
 
     #[test]
