@@ -107,8 +107,8 @@ impl Case {
         Case { id, work, size }
     }
 
-    /// What it is called among the results: in a sustained run figures of frames are those of the slowest round, and not
-    /// to be compared with those of all.
+    /// What it is called among the results: in a sustained run figures of frames are those of the slowest round, and
+    /// not to be compared with those of all.
     pub fn id(&self, sustained: bool) -> String {
         match self.work {
             Work::Frame(..) if sustained => self.id.replacen("frame/", "sustained/", 1),

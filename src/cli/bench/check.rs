@@ -18,8 +18,8 @@ const KEPT_PX: usize = 512 * 512;
 const PAINTED: f64 = 0.01;
 
 /// The share of the painted pixels that may be others than those of another device: somewhat more than the tests of
-/// golden pictures allow, because sequences carry a difference on. Image-based, another block means others after it, the
-/// more the larger a frame is: beyond 512x512 nothing is said.
+/// golden pictures allow, because sequences carry a difference on. Image-based, another block means others after it,
+/// the more the larger a frame is: beyond 512x512 nothing is said.
 pub fn share_allowed(technique: TechniqueName, size: Size) -> f64 {
     match technique {
         TechniqueName::Object => 0.03,
@@ -87,7 +87,7 @@ impl Outcome {
         }
     }
 
-    /// It must look like this picture of RGBA texels, [`thinned`], all but a share of the pixels that either has painted.
+    /// It must look like this picture of RGBA texels, [`thinned`], but for a share of the pixels that either painted.
     pub fn must_look_like(&mut self, expected: &[u8], whose: &str, share: f64) {
         let own = thinned(self.bytes());
         if own.len() != expected.len() {
@@ -125,7 +125,8 @@ struct Reference {
 
 impl References {
     /// Compares what a device gave with what the first one did with which nothing was wrong or, if this is the first,
-    /// remembers it: some of the pixels of pictures, and the hash of everything. `share` is that of pixels that may differ, `None` if no byte may.
+    /// remembers it: some of the pixels of pictures, and the hash of everything. `share` is that of pixels that may
+    /// differ, `None` if no byte may.
     pub fn compare(&mut self, id: &str, device: &str, outcome: &mut Outcome, share: Option<f64>) {
         let Some(first) = self.0.get(id) else {
             // What is wrong by itself says nothing about others.

@@ -61,7 +61,7 @@ pub struct BenchArgs {
     /// 30 rounds of everything, of which the slowest counts: what a device does when it has become warm
     #[arg(long)]
     sustained: bool,
-    /// Several devices, one after the other: `all`, or indices, (parts of) names, UUIDs and PCI addresses like 0,2,nvidia
+    /// Several devices, one after the other: `all`, or indices, (parts of) names, UUIDs, PCI addresses like 0,2,nvidia
     #[arg(long, value_name = "LIST|all", conflicts_with = "device")]
     devices: Option<String>,
     /// List the names of all scenes, and measure nothing
