@@ -115,7 +115,8 @@ fn a_picture_lies_over_the_hosts_behind_what_is_nearer() {
     let moment = moment(&mesh, 0);
     let painted = picture(&host, &context, &mut effect, &EffectFrame::next(&moment));
     let camera = &moment.camera;
-    let infinite = directx::perspective_infinite_reverse(camera.fov_y_deg().to_radians(), 9.0 / 7.0, 10.0);
+    let near = 0.25 * camera.near();
+    let infinite = directx::perspective_infinite_reverse(camera.fov_y_deg().to_radians(), 9.0 / 7.0, near);
     let ways = [HostDepth::of_camera(camera), HostDepth::from_projection(&infinite).expect("a perspective")];
     let targets = [
         (F::R8G8B8A8_UNORM, None),

@@ -43,7 +43,7 @@ fn as_many_objects_as_may_be_move_each_by_itself() {
 
 #[test]
 fn what_is_too_large_is_told_in_words() {
-    let (host, mesh) = (Host::new(), head());
+    let (host, mesh) = (Host::new(), ball());
     let context = borrow(&host);
     let most = context.caps().max_image_2d_px;
     let told = |desc: EffectDesc| match Effect::memory(&context, &desc) {
