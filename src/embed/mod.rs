@@ -74,11 +74,13 @@ impl EffectDesc {
     pub fn check(&self) -> Result<()> {
         check_paints(self.paints.len(), &self.paint_of_object, self.mesh.objects().len())?;
         let (width, height) = self.size_px;
+        let size = |allowed| Err(Error::parameter("size_px", format!("{width}x{height}"), allowed));
         if width == 0 || height == 0 {
-            return Err(Error::parameter("size_px", format!("{width}x{height}"), "1 pixel a side or more"));
+            return size("1 pixel a side or more");
         }
-        // Or no camera would have a projection for it.
-        check_aspect(width as f32 / height as f32)?;
+        if check_aspect(width as f32 / height as f32).is_err() {
+            return size("at most 100 times as wide as high, or as high as wide: cameras see no more");
+        }
         if self.piece == 0 {
             return Err(Error::parameter("piece", 0, "1 comparison or more"));
         }

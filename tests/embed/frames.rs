@@ -387,7 +387,8 @@ fn what_is_wrong_is_told_before_anything_is_prepared() {
     refused(EffectDesc { paints: Vec::new(), ..desc(&mesh, &object) }, "paints");
     refused(EffectDesc { paint_of_object: vec![1], ..desc(&mesh, &object) }, "paint of object");
     refused(EffectDesc { size_px: (0, 4), ..desc(&mesh, &object) }, "0x4");
-    refused(EffectDesc { size_px: (1 << 20, 4), ..desc(&mesh, &object) }, "1048576x4");
+    refused(EffectDesc { size_px: (1 << 20, 1 << 20), ..desc(&mesh, &object) }, "1048576x1048576");
+    refused(EffectDesc { size_px: (404, 4), ..desc(&mesh, &object) }, "404x4");
     refused(EffectDesc { piece: 0, ..desc(&mesh, &aligned) }, "piece");
     let tileable = QuiltParams { tileable: true, ..QUILT };
     let Method::Dependent { views, view_px, lights, .. } = dependent else { panic!("it is the last") };

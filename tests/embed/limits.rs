@@ -61,8 +61,8 @@ fn what_is_too_large_is_told_in_words() {
         let of = |size_px| EffectDesc { size_px, ..desc(&mesh, &method) };
         // Too much memory, too many blocks, or as much as a device may have; too wide and too high for any camera.
         says(of((most, most)), &["bytes", "number of blocks"]);
-        says(of((most, 1)), &["aspect"]);
-        says(of((1, most)), &["aspect"]);
+        says(of((most, 1)), &["100 times"]);
+        says(of((1, most)), &["100 times"]);
         says(of((1, 1)), &["persistent_bytes"]);
         says(of((u32::MAX, u32::MAX)), &["size_px", "output width"]);
         says(of((most + 1, most)), &["size_px", "output width"]);

@@ -62,7 +62,8 @@ fn effects_come_and_go_while_frames_are_in_flight() {
         slot.wait(&host);
         context.advance(frame, frame - 2);
         while coming.len() < AT_ONCE {
-            let number = started % all.len();
+            // One at a time of the last, which takes longest.
+            let number = started % if coming.iter().any(|(number, _)| *number == 4) { 4 } else { 5 };
             let desc = EffectDesc { piece: 100_000_000, ..desc(&mesh, &all[number].1) };
             coming.push((number, Effect::new(&context, desc).expect("an effect")));
             started += 1;
