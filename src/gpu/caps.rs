@@ -201,7 +201,7 @@ impl DeviceChoice {
 /// # Errors
 /// [`Error::Device`] when there is no Vulkan loader.
 pub fn list_devices() -> Result<Vec<DeviceInfo>> {
-    let loader = super::context::Loader::new(false, None)?;
+    let loader = super::loader::Loader::new(false, None)?;
     let listed = loader.physical_devices();
     loader.destroy();
     Ok(listed?.into_iter().map(|(_, info)| info).collect())
