@@ -209,7 +209,7 @@ fn draw(
     let camera = place.camera(&surface.view.world_from_view, &surface.view.clip_from_view)?;
     let depth = place.depth(&surface.view.clip_from_view)?;
     let poses = vec![place.pose; seen.painted.model().objects().len()];
-    let moment = Moment { poses, ..Moment::at_rest(camera, lights.clone()) }.fit_depth(seen.painted.model());
+    let moment = Moment { poses, ..Moment::at_rest(camera, lights.clone()) };
     if !over.as_ref().is_some_and(|over| over.is_of(surface)) {
         *over = Some(Over::new(recorder.context(), effect, surface, depth.is_reversed())?);
     }

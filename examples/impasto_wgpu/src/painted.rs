@@ -23,7 +23,6 @@ pub struct Painted {
     composite: Option<Composite>,
     effect: Effect,
     target: Target,
-    mesh: Arc<Mesh>,
     lights: Lights,
     context: Context,
 }
@@ -38,7 +37,7 @@ impl Painted {
         let frame = AlignedFrame { density: 0.6, ..AlignedFrame::default() };
         let method = Method::Aligned { levels, frame, follow: false };
         let size = (scene.color.width(), scene.color.height());
-        let desc = EffectDesc::new(mesh.clone(), paint, method, size);
+        let desc = EffectDesc::new(mesh, paint, method, size);
 
         let context = lend::context(&host.adapter, &host.device)?;
         let target = Target {
@@ -47,7 +46,7 @@ impl Painted {
         };
         let effect = Effect::new(&context, desc)?;
         let lights = DirectionalLight::new(LIGHT, 1.0)?.into();
-        Ok(Painted { composite: None, effect, target, mesh, lights, context })
+        Ok(Painted { composite: None, effect, target, lights, context })
     }
 
     pub fn is_ready(&self) -> bool {
@@ -76,8 +75,7 @@ impl Painted {
     /// Records the object over what the host has drawn so far, seen from the same place.
     pub fn paint(&mut self, device: &wgpu::Device, view: &View) -> Result<wgpu::CommandBuffer> {
         let camera = Camera::from_matrices(&view.view, &view.projection)?;
-        // A far plane at infinity is nothing for a depth buffer of the effect's own.
-        let moment = Moment::at_rest(camera, self.lights.clone()).fit_depth(&self.mesh);
+        let moment = Moment::at_rest(camera, self.lights.clone());
         let depth = HostDepth::from_projection(&view.projection)?;
         lend::record(device, &self.context, |recorder| {
             self.effect.record(recorder, &EffectFrame::next(&moment))?;
