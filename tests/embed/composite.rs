@@ -110,8 +110,7 @@ fn a_picture_lies_over_the_hosts_behind_what_is_nearer() {
     let context = borrow(&host);
     let mut frame = 0;
     let (_, object) = methods().into_iter().next().expect("a method");
-    let mut effect = Effect::new(&context, desc(&mesh, &object)).expect("an effect");
-    prepare(&host, &context, &mut effect, &mut frame);
+    let mut effect = ready(&host, &context, desc(&mesh, &object), &mut frame);
     let moment = moment(&mesh, 0);
     let painted = picture(&host, &context, &mut effect, &EffectFrame::next(&moment));
     let camera = &moment.camera;
@@ -212,8 +211,7 @@ fn a_picture_lies_where_the_host_says() {
     let context = borrow(&host);
     let mut frame = 0;
     let (_, object) = methods().into_iter().next().expect("a method");
-    let mut effect = Effect::new(&context, desc(&mesh, &object)).expect("an effect");
-    prepare(&host, &context, &mut effect, &mut frame);
+    let mut effect = ready(&host, &context, desc(&mesh, &object), &mut frame);
     let (moment, part, at, size) = (moment(&mesh, 0), (61, 47), (53, 8), (120, 60));
     let next = EffectFrame { size_px: Some(part), ..EffectFrame::next(&moment) };
     let painted = picture(&host, &context, &mut effect, &next);
@@ -256,8 +254,7 @@ fn a_bias_lets_paint_lie_over_the_hosts_own_drawing_of_the_mesh() {
     let context = borrow(&host);
     let mut frame = 0;
     let (_, object) = methods().into_iter().next().expect("a method");
-    let mut effect = Effect::new(&context, desc(&mesh, &object)).expect("an effect");
-    prepare(&host, &context, &mut effect, &mut frame);
+    let mut effect = ready(&host, &context, desc(&mesh, &object), &mut frame);
     let moment = moment(&mesh, 0);
     let painted = picture(&host, &context, &mut effect, &EffectFrame::next(&moment));
     let near = 0.01;
@@ -305,8 +302,7 @@ fn an_infinite_projection_takes_nothing_from_the_depth() {
     let far_off = Moment { camera, ..still.clone() };
     for (name, method) in methods() {
         let mut seen = |moment: &Moment| {
-            let mut effect = Effect::new(&context, desc(&mesh, &method)).expect("an effect");
-            prepare(&host, &context, &mut effect, &mut frame);
+            let mut effect = ready(&host, &context, desc(&mesh, &method), &mut frame);
             let painted = picture(&host, &context, &mut effect, &EffectFrame::next(moment));
             (painted, depth_of(&host, &effect))
         };

@@ -169,8 +169,7 @@ fn a_thousand_frames_only_record() {
     let target = Target { color: wrapped(&context, &color), depth: None };
     let mut frame = 0;
     for (name, method) in methods() {
-        let mut effect = Effect::new(&context, desc(&mesh, &method)).expect("an effect");
-        prepare(&host, &context, &mut effect, &mut frame);
+        let mut effect = ready(&host, &context, desc(&mesh, &method), &mut frame);
         let composite =
             Composite::new(&effect, std::slice::from_ref(&target), TargetColor::ByFormat, false).expect("a composite");
         // What only the preparation needed goes here.
@@ -278,8 +277,7 @@ fn a_host_draws_guides_and_vectors_for_it() {
     host.write_image(&vectors, &vec![0; (SIZE.0 * SIZE.1 * 8) as usize]);
     let mut frame = 0;
     for (name, method) in methods() {
-        let mut own = Effect::new(&context, desc(&mesh, &method)).expect("an effect");
-        prepare(&host, &context, &mut own, &mut frame);
+        let mut own = ready(&host, &context, desc(&mesh, &method), &mut frame);
         let lent = wrapped(&context, &vectors);
         let inputs = Inputs {
             guides: Some((&pass).into()),
@@ -291,8 +289,7 @@ fn a_host_draws_guides_and_vectors_for_it() {
             assert!(error.contains("guides"), "{name}: {error}");
             continue;
         }
-        let mut led = Effect::new(&context, described).expect("an effect");
-        prepare(&host, &context, &mut led, &mut frame);
+        let mut led = ready(&host, &context, described, &mut frame);
         if method.takes_vectors() {
             // SAFETY: nothing is recorded with it until it is put right.
             unsafe { lent.set_state(ResourceState::fresh()) };
@@ -335,8 +332,7 @@ fn the_origin_may_be_shifted_between_frames() {
     let nudged = Moment { poses: vec![nudge], ..still.clone() };
     let (_, carried) = methods().into_iter().find(|(name, _)| *name == "image, carried").expect("it is there");
     let mut changed = |second: &Moment| {
-        let mut effect = Effect::new(&context, desc(&mesh, &carried)).expect("an effect");
-        prepare(&host, &context, &mut effect, &mut frame);
+        let mut effect = ready(&host, &context, desc(&mesh, &carried), &mut frame);
         let frames = [&still, second].map(|moment| picture(&host, &context, &mut effect, &EffectFrame::next(moment)));
         frames[0].chunks(4).zip(frames[1].chunks(4)).filter(|(a, b)| a != b).count()
     };
@@ -429,8 +425,7 @@ fn a_host_may_change_its_resolution_from_frame_to_frame() {
     let mut frame = 0;
     let part = (61, 47);
     for (name, method) in methods() {
-        let mut whole = Effect::new(&context, desc(&mesh, &method)).expect("an effect");
-        prepare(&host, &context, &mut whole, &mut frame);
+        let mut whole = ready(&host, &context, desc(&mesh, &method), &mut frame);
         let mut told = |size_px| {
             let still = moment(&mesh, 0);
             let next = EffectFrame { size_px: Some(size_px), ..EffectFrame::next(&still) };
@@ -446,8 +441,7 @@ fn a_host_may_change_its_resolution_from_frame_to_frame() {
             continue;
         }
         let small = EffectDesc { size_px: part, ..desc(&mesh, &method) };
-        let mut small = Effect::new(&context, small).expect("an effect");
-        prepare(&host, &context, &mut small, &mut frame);
+        let mut small = ready(&host, &context, small, &mut frame);
         for number in 0..3 {
             let now = moment(&mesh, number);
             let next = EffectFrame { reset: number == 0, ..EffectFrame::next(&now) };

@@ -25,8 +25,7 @@ fn as_many_objects_as_may_be_move_each_by_itself() {
     for (name, method) in methods().into_iter().take(4) {
         let desc = desc(&mesh, &method);
         let told = Effect::memory(&context, &desc).expect("needs");
-        let mut effect = Effect::new(&context, desc).expect("an effect");
-        prepare(&host, &context, &mut effect, &mut frame);
+        let mut effect = ready(&host, &context, desc, &mut frame);
         let painted = picture(&host, &context, &mut effect, &EffectFrame::next(&moment));
         assert!(painted.chunks(4).filter(|pixel| pixel[3] == 255).count() > 500, "{name}");
         frame += 2;

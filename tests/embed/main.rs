@@ -133,6 +133,13 @@ fn prepare(host: &Host, context: &Context, effect: &mut Effect, frame: &mut u64)
     recorded
 }
 
+/// An effect that is ready.
+fn ready(host: &Host, context: &Context, desc: EffectDesc, frame: &mut u64) -> Effect {
+    let mut effect = Effect::new(context, desc).expect("an effect");
+    prepare(host, context, &mut effect, frame);
+    effect
+}
+
 /// Records a frame of an effect, submits, waits; its picture.
 fn picture(host: &Host, context: &Context, effect: &mut Effect, frame: &EffectFrame<'_>) -> Vec<u8> {
     host.run(|commands| effect.record(&mut recorder(context, commands), frame).expect("a frame"));

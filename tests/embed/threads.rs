@@ -47,8 +47,7 @@ fn effects_come_and_go_while_frames_are_in_flight() {
     let all = methods();
     let (_, aligned) = &all[3];
     let mut frame = 0;
-    let mut painting = Effect::new(&context, desc(&mesh, aligned)).expect("an effect");
-    prepare(&host, &context, &mut painting, &mut frame);
+    let mut painting = ready(&host, &context, desc(&mesh, aligned), &mut frame);
     let first = moment(&mesh, 0);
     let expected = picture(&host, &context, &mut painting, &EffectFrame::next(&first));
 
@@ -173,11 +172,8 @@ fn what_is_of_another_context_is_refused() {
         assert!(error.contains(word), "{error}");
     };
     let mut frame = 0;
-    let [mut own, mut other] = contexts.each_ref().map(|context| {
-        let mut effect = Effect::new(context, desc(&mesh, &object)).expect("an effect");
-        prepare(&host, context, &mut effect, &mut frame);
-        effect
-    });
+    let [mut own, mut other] =
+        contexts.each_ref().map(|context| ready(&host, context, desc(&mesh, &object), &mut frame));
     let color = host.image(vk::Format::R8G8B8A8_UNORM, vk::ImageUsageFlags::COLOR_ATTACHMENT, SIZE);
     let [target, stray] = contexts.each_ref().map(|context| Target { color: wrapped(context, &color), depth: None });
     let new = |effect: &Effect, target: &Target| {
