@@ -54,7 +54,7 @@ impl<'a> Recorder<'a> {
     pub unsafe fn new(context: &'a Context, commands: vk::CommandBuffer, timer: Option<&'a mut PassTimer>) -> Self {
         let mut recorder = Recorder { context, commands, timer, omit_barriers: false, area: None };
         if let Some(timer) = recorder.timer.as_deref_mut() {
-            timer.reset(context, commands);
+            timer.reset();
         }
         recorder
     }

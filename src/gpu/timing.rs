@@ -5,6 +5,9 @@ use super::memory::Garbage;
 use crate::Result;
 use ash::vk;
 
+/// So many passes' queries are reset at a time: most command buffers have few of those that there is room for.
+const RESET_PASSES: u32 = 32;
+
 /// How long passes of one name took on the GPU, added up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PassTime {
@@ -39,12 +42,9 @@ impl PassTimer {
         Ok(PassTimer { context: context.clone(), pool, capacity, names: Vec::with_capacity(capacity as usize) })
     }
 
-    pub(crate) fn reset(&mut self, context: &Context, commands: vk::CommandBuffer) {
+    /// Begins a command buffer.
+    pub(crate) fn reset(&mut self) {
         self.names.clear();
-        if self.capacity > 0 {
-            // SAFETY: the pool is live; the command buffer is recording outside of a render pass.
-            unsafe { context.device().cmd_reset_query_pool(commands, self.pool, 0, self.capacity * 2) };
-        }
     }
 
     pub(crate) fn begin(&mut self, context: &Context, commands: vk::CommandBuffer, name: &'static str) -> Option<u32> {
@@ -52,10 +52,15 @@ impl PassTimer {
         if slot >= self.capacity {
             return None;
         }
+        if slot.is_multiple_of(RESET_PASSES) {
+            let passes = RESET_PASSES.min(self.capacity - slot);
+            // SAFETY: the pool is live and has these queries; the command buffer is recording outside of a render pass.
+            unsafe { context.device().cmd_reset_query_pool(commands, self.pool, slot * 2, passes * 2) };
+        }
         self.names.push(name);
         // When all earlier work has run, so that the times of passes do not overlap.
         let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-        // SAFETY: the query was reset at the start of this command buffer and is written once.
+        // SAFETY: the query was reset earlier in this command buffer and is written once.
         unsafe { context.device().cmd_write_timestamp(commands, stage, self.pool, slot * 2) };
         Some(slot)
     }
