@@ -38,6 +38,9 @@ pub enum Error {
     /// No device, or the device lacks something that is needed.
     #[error("{0}")]
     Device(String),
+    /// Something was asked of what is not prepared yet, or has recorded nothing yet.
+    #[error("{0}")]
+    NotReady(&'static str),
     /// A Vulkan call failed.
     #[error("{call} failed: {result}")]
     Vulkan {

@@ -1,13 +1,13 @@
 //! An effect's picture in a host's image.
 
-use super::effect::{not_ready, recorder};
+use super::effect::recorder;
 use super::handles::{get, get_number, give_on, take, CompositeObject, ImpastoComposite, ImpastoEffect};
 use super::image::{image, uses, ImpastoImage};
 use super::memory::{not_null, read, slice, switch, value_if, versioned};
 use super::params::pick;
 use super::status::{guard, Failure, Result};
 use super::types::*;
-use crate::embed::{Composite, HostDepth, Target, TargetColor};
+use crate::embed::{no_frame, not_ready, Composite, HostDepth, Target, TargetColor};
 use crate::gpu::{lock, Context};
 use crate::scene::Mat4;
 use std::sync::{Arc, Mutex};
@@ -79,7 +79,7 @@ pub unsafe extern "C" fn impasto_composite_create(
         let (effect, of_context) = (get(effect)?, super::handles::context_of(effect));
         let effect = lock(&effect);
         if effect.effect.picture().is_none() {
-            return Err(not_ready());
+            return Err(not_ready().into());
         }
         let context = effect.context.clone();
         // SAFETY: the contract of the header, here and below.
@@ -138,7 +138,7 @@ unsafe fn record(
     let effect = get_number::<ImpastoEffect>(object.of_effect)?;
     let effect = &lock(&effect).effect;
     if effect.camera().is_none() {
-        return Err(Failure::new(ImpastoStatus::NotReady, "the effect has recorded no frame yet"));
+        return Err(no_frame().into());
     }
     let count = object.targets.len();
     let target = object.targets.get(frame.target as usize);

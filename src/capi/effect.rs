@@ -7,7 +7,7 @@ use super::params::{self, pick};
 use super::params::{ImpastoAlignedParams, ImpastoDependentParams, ImpastoImageParams, ImpastoObjectParams};
 use super::status::{guard, Failure, Result};
 use super::types::*;
-use crate::embed::{Effect, EffectDesc, EffectPaint, Inputs, Method, Progress};
+use crate::embed::{not_ready, Effect, EffectDesc, EffectPaint, Inputs, Method, Progress};
 use crate::gpu::{lock, Context, Image, Recorder};
 use crate::scene::{GuideImages, HostMotionParams, Mesh};
 use ash::vk::Handle;
@@ -153,8 +153,7 @@ pub unsafe extern "C" fn impasto_effect_desc_init(desc: *mut ImpastoEffectDesc, 
 
 fn check_technique(technique: u32) -> Result<ImpastoTechnique> {
     use ImpastoTechnique as T;
-    let number = pick("technique", technique, &[0, 1, 2, 3])?;
-    Ok([T::Object, T::Image, T::Aligned, T::Dependent].into_iter().nth(number).unwrap_or(T::Object))
+    pick("technique", technique, &[T::Object, T::Image, T::Aligned, T::Dependent])
 }
 
 /// Tells how much GPU memory an effect would take, without making it.
@@ -385,10 +384,6 @@ unsafe fn tell_image(
     };
     // SAFETY: the caller promises it.
     unsafe { write(to, &picture) }
-}
-
-pub(super) fn not_ready() -> Failure {
-    Failure::new(ImpastoStatus::NotReady, "the effect is not ready: its preparation is not over")
 }
 
 /// Destroys an effect; null is fine. What the GPU still uses is freed when the frame is safe. A preparation that is

@@ -1,13 +1,13 @@
 //! A frame of an effect.
 
-use super::effect::{not_ready, recorder};
+use super::effect::recorder;
 use super::handles::{get, EffectObject, ImpastoEffect};
 use super::image::{uses, Uses};
 use super::memory::{read, slice, switch, versioned};
 use super::params::{lights, pick};
 use super::status::{guard, Failure, Result};
 use super::types::*;
-use crate::embed::EffectFrame;
+use crate::embed::{not_ready, EffectFrame};
 use crate::gpu::lock;
 use crate::scene::{Camera, Lights, Mat4, Moment, Pose};
 use crate::technique::Show;
@@ -76,7 +76,7 @@ unsafe fn record(object: &mut EffectObject, commands: VkCommandBuffer, frame: *c
     // SAFETY: the caller promises it, here and below.
     let frame = unsafe { read(frame) }?;
     if !object.effect.progress().ready {
-        return Err(not_ready());
+        return Err(not_ready().into());
     }
     let show = pick("show", frame.show, &[Show::Painted, Show::Color, Show::Texture])?;
     let reset = switch("reset", frame.reset)?;
@@ -85,7 +85,7 @@ unsafe fn record(object: &mut EffectObject, commands: VkCommandBuffer, frame: *c
     let now = unsafe { moment(object, &frame, lights, size_px) }?;
     // Clones are the same images; the effect itself is borrowed to record.
     let (picture, depth) = (object.effect.picture().cloned(), object.effect.depth().cloned());
-    let (Some(picture), Some(depth)) = (picture, depth) else { return Err(not_ready()) };
+    let (Some(picture), Some(depth)) = (picture, depth) else { return Err(not_ready().into()) };
     let mut told = vec![unsafe { uses("picture", &picture, frame.picture, false) }?];
     told.push(unsafe { uses("depth", &depth, frame.depth, object.guides.is_some()) }?);
     if let Some([shade, id, _]) = &object.guides {

@@ -34,6 +34,7 @@ impl From<Error> for Failure {
             Error::Io { .. } => ImpastoStatus::Io,
             Error::File { .. } => ImpastoStatus::File,
             Error::Parameter { .. } => ImpastoStatus::Parameter,
+            Error::NotReady(_) => ImpastoStatus::NotReady,
             Error::Device(_) => ImpastoStatus::Device,
             Error::DeviceLost => ImpastoStatus::DeviceLost,
             Error::Memory { .. } => ImpastoStatus::OutOfMemory,

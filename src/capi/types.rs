@@ -59,6 +59,7 @@ pub enum ImpastoLogLevel {
 
 /// By which technique an effect paints.
 #[repr(u32)]
+#[derive(Clone, Copy)]
 pub enum ImpastoTechnique {
     /// Object-based texture mapping: the cheapest, with paint that is pinned to the surface.
     Object = 0,

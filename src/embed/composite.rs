@@ -1,11 +1,11 @@
 //! An effect's picture in a host's image: laid over what is there, and hidden by what is nearer there.
 
-use super::Effect;
+use super::effect::{not_ready, Effect};
 use crate::gpu::{
     Access, Attachment, BindingKind, BindingSet, Context, Draw, Framebuffer, Image, RasterDesc, RasterPipeline,
     RasterShader, Recorder, RenderPass, Role, Sampler,
 };
-use crate::scene::Camera;
+use crate::scene::{perspective_depth, Camera};
 use crate::technique::picture_pass::PICTURE;
 use crate::{Error, Result};
 use ash::vk;
@@ -67,11 +67,8 @@ impl HostDepth {
     /// # Errors
     /// [`Error::Parameter`] when it is not a perspective one.
     pub fn from_projection(projection: &Mat4) -> Result<Self> {
-        let (z, w) = (projection.z_axis, projection.w_axis);
-        let depth = HostDepth { a: z.z / z.w, b: w.z };
-        if z.w.abs() != 1.0 || w.w != 0.0 {
-            return Err(Error::parameter("projection", projection, "a perspective one"));
-        }
+        let [a, b] = perspective_depth(projection)?;
+        let depth = HostDepth { a, b };
         depth.check().map(|()| depth)
     }
 
@@ -126,12 +123,12 @@ impl Composite {
     /// nearer is more in their depth.
     ///
     /// # Errors
-    /// [`Error::Device`] for an effect that is not ready; [`Error::Parameter`] for no target, one of another format, use
+    /// [`Error::NotReady`] for an effect that is not ready; [`Error::Parameter`] for no target, one of another format, use
     /// or context, one whose colour and depth differ in size, and one that the effect itself has: its picture, or the depth of guides that the host draws for
     /// it, which the pass reads; [`Error::Vulkan`] when a call fails.
     pub fn new(effect: &Effect, targets: &[Target], color: TargetColor, reversed: bool) -> Result<Self> {
         let (Some(picture), Some(depth)) = (effect.picture(), effect.depth()) else {
-            return Err(Error::Device("the effect is not ready: its preparation is not over".to_owned()));
+            return Err(not_ready());
         };
         let Some(first) = targets.first() else { return Err(Error::parameter("targets", 0, "1 or more")) };
         let context = effect.context();
@@ -180,7 +177,7 @@ impl Composite {
     /// # Errors
     /// [`Error::Parameter`] for another effect, a recorder of another context, a target that there is not, one in a
     /// layout without content, one in which the picture has no room there, and a depth that is not finite or runs the
-    /// other way than the pass was made for; [`Error::Device`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
+    /// other way than the pass was made for; [`Error::NotReady`] when no frame was recorded; [`Error::DeviceLost`]. Nothing is recorded then.
     pub fn record(
         &self,
         recorder: &mut Recorder<'_>,
@@ -199,7 +196,7 @@ impl Composite {
             return Err(Error::parameter("target", target, format!("below the {count} targets")));
         };
         let Some(camera) = effect.camera() else {
-            return Err(Error::Device("the effect has recorded no frame yet".to_owned()));
+            return Err(no_frame());
         };
         depth.check()?;
         if self.depth.is_some_and(|reversed| reversed != depth.is_reversed()) {
@@ -222,6 +219,11 @@ impl Composite {
         recorder.draw_within(None);
         Ok(())
     }
+}
+
+/// What is answered before the effect has recorded a frame.
+pub(crate) fn no_frame() -> Error {
+    Error::NotReady("the effect has recorded no frame yet")
 }
 
 /// Checks a target of a pass that reads these images.

@@ -176,7 +176,7 @@ impl Effect {
     /// [`Image::set_state`].
     ///
     /// # Errors
-    /// [`Error::Device`] before the preparation is over, [`Error::Parameter`] when a camera has no projection for the
+    /// [`Error::NotReady`] before the preparation is over, [`Error::Parameter`] when a camera has no projection for the
     /// picture's shape, the frame's size is not within the picture's, the recorder is of another context or an image of the host's is in a layout without content,
     /// [`Error::DeviceLost`]; nothing is recorded then.
     pub fn record(&mut self, recorder: &mut Recorder<'_>, frame: &EffectFrame<'_>) -> Result<()> {
@@ -206,7 +206,7 @@ impl Effect {
 
     fn draw(&mut self, recorder: &mut Recorder<'_>, frame: &EffectFrame<'_>, size: (u32, u32)) -> Result<()> {
         let State::Ready(prepared) = &mut self.state else {
-            return Err(Error::Device("the effect is not ready: its preparation is not over".to_owned()));
+            return Err(not_ready());
         };
         let mut now = frame.moment.clone();
         if let Some(spheres) = &self.spheres {
@@ -309,6 +309,11 @@ impl Drop for Effect {
             }
         }
     }
+}
+
+/// What is answered before the preparation is over.
+pub(crate) fn not_ready() -> Error {
+    Error::NotReady("the effect is not ready: its preparation is not over")
 }
 
 impl Guides {

@@ -22,6 +22,8 @@ mod recordings;
 pub(crate) use composite::COMPOSITE;
 pub use composite::{Composite, HostDepth, Target, TargetColor};
 pub use effect::{Effect, EffectFrame};
+#[cfg(feature = "capi")]
+pub(crate) use {composite::no_frame, effect::not_ready};
 
 use crate::gpu::Image;
 use crate::paint::{PaintSample, TextureDifference, Trajectory, TrajectoryOptions};
@@ -57,7 +59,7 @@ pub struct EffectDesc {
 }
 
 impl EffectDesc {
-    /// About 10 ms of a synthesis on two CPU cores, and well below a millisecond of a large GPU.
+    /// About 10 ms of a synthesis on two CPU cores.
     pub const PIECE: u64 = 100_000_000;
 
     /// One paint for all of a mesh, nothing of the host's, and pieces of [`EffectDesc::PIECE`].

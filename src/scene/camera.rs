@@ -5,7 +5,7 @@
 //! counter-clockwise for Vulkan too (`VK_FRONT_FACE_COUNTER_CLOCKWISE`).
 
 use glam::camera::rh::{proj::vulkan::perspective, view::look_to_mat4};
-use glam::{DVec3, Mat4, Vec3};
+use glam::{DMat3, DVec3, Mat4, Vec3, Vec4};
 
 use super::mesh::Mesh;
 use crate::error::{Error, Result};
@@ -83,24 +83,19 @@ impl Camera {
     /// [`Error::Parameter`] for a view that does not only turn and move, that is a mirror of the world, and for a
     /// projection that is no perspective, or an off-centre one: paint does not want the jitter of temporal antialiasing.
     pub fn from_matrices(view: &Mat4, projection: &Mat4) -> Result<Self> {
-        /// How far off rounding may be.
-        const ROUNDING: f32 = 1e-3;
-        let bad = |allowed| Err(Error::parameter("projection", projection, allowed));
         if !view.is_finite() || !projection.is_finite() {
             return Err(Error::parameter("matrices", "not finite", "finite"));
         }
-        let (z, w) = (projection.z_axis, projection.w_axis);
-        if z.w.abs() != 1.0 || w.w != 0.0 || projection.x_axis.x == 0.0 || projection.y_axis.y == 0.0 {
-            return bad("a perspective one");
-        }
+        let [a, b] = perspective_depth(projection)?.map(f64::from);
+        let z = projection.z_axis;
         if z.x.abs().max(z.y.abs()) > 1e-6 {
-            return bad("centred, without jitter");
+            return Err(Error::parameter("projection", projection, "centred, without jitter"));
         }
         let [right, up, ahead] = [0, 1, 2].map(|row| view.row(row).truncate());
         let forward = ahead * z.w;
-        let rigid = glam::Mat3::from_cols(right, up, forward);
-        let off = rigid * rigid.transpose() - glam::Mat3::IDENTITY;
-        if off.to_cols_array().iter().any(|entry| entry.abs() > ROUNDING) || view.row(3) != glam::Vec4::W {
+        if !is_orthonormal(DMat3::from_cols(right.as_dvec3(), up.as_dvec3(), forward.as_dvec3()))
+            || view.row(3) != Vec4::W
+        {
             return Err(Error::parameter("view", view, "a turn and a move"));
         }
         if forward.cross(up).dot(right) * projection.x_axis.x < 0.0 {
@@ -110,8 +105,7 @@ impl Camera {
         check_fov(fov_y_deg)?;
         let moved = view.w_axis.truncate().as_dvec3();
         let eye = -(moved.x * right.as_dvec3() + moved.y * up.as_dvec3() + moved.z * ahead.as_dvec3()).as_vec3();
-        // Depth is a + b / distance: the planes are where it is 0 and 1.
-        let (a, b) = (f64::from(z.z / z.w), f64::from(w.z));
+        // The planes are where depth is 0 and 1.
         let planes = [-b / a, b / (1.0 - a)].map(f64::abs);
         let near = planes[0].min(planes[1]);
         let far = planes[0].max(planes[1]).min(near * 1e6);
@@ -260,6 +254,26 @@ impl Camera {
     pub fn view_projection(&self, aspect: f32) -> Result<Mat4> {
         Ok(self.projection(aspect)? * self.view())
     }
+}
+
+/// The depth that a perspective projection gives at distance z along the view axis, as a and b of a + b / z.
+///
+/// # Errors
+/// [`Error::Parameter`] for a projection that is none.
+pub(crate) fn perspective_depth(projection: &Mat4) -> Result<[f32; 2]> {
+    let (z, w) = (projection.z_axis, projection.w_axis);
+    if z.w.abs() != 1.0 || w.w != 0.0 || projection.x_axis.x == 0.0 || projection.y_axis.y == 0.0 {
+        return Err(Error::parameter("projection", projection, "a perspective one"));
+    }
+    Ok([z.z / z.w, w.z])
+}
+
+/// Whether a matrix turns, or turns and mirrors, and does nothing else, but for rounding.
+pub(super) fn is_orthonormal(matrix: DMat3) -> bool {
+    /// How far off rounding may be.
+    const ROUNDING: f64 = 1e-3;
+    let off = matrix * matrix.transpose() - DMat3::IDENTITY;
+    off.to_cols_array().iter().all(|entry| entry.abs() <= ROUNDING)
 }
 
 pub(super) fn check_fov(fov_y_deg: f32) -> Result<()> {

@@ -48,7 +48,7 @@ mod polygon;
 mod solid;
 mod warning;
 
-pub(crate) use camera::check_aspect;
+pub(crate) use camera::{check_aspect, perspective_depth};
 pub use camera::{Camera, DEFAULT_FOV_Y_DEG};
 pub use framing::Framing;
 pub(crate) use geometry::upload_geometry;

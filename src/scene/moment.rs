@@ -1,6 +1,6 @@
 //! What changes from frame to frame: where the camera is, how the scene is lit, and where its objects are.
 
-use super::camera::Camera;
+use super::camera::{is_orthonormal, Camera};
 use super::light::Lights;
 use super::mesh::Mesh;
 use crate::error::{Error, Result};
@@ -49,11 +49,8 @@ impl Pose {
     /// # Errors
     /// [`Error::Parameter`] for one that is not finite or beyond 1e15, or does anything but turn and move.
     pub fn from_matrix(matrix: &Mat4) -> Result<Self> {
-        /// How far off rounding may be.
-        const ROUNDING: f64 = 1e-3;
         let turn = DMat3::from_mat4(matrix.as_dmat4());
-        let off = turn * turn.transpose() - DMat3::IDENTITY;
-        let is_turn = off.to_cols_array().iter().all(|entry| entry.abs() <= ROUNDING) && turn.determinant() > 0.0;
+        let is_turn = is_orthonormal(turn) && turn.determinant() > 0.0;
         let translation = matrix.w_axis.truncate();
         let is_near = translation.is_finite() && translation.abs().max_element() <= 1e15;
         if !is_turn || !is_near || matrix.row(3) != Vec4::W {

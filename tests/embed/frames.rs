@@ -398,7 +398,8 @@ fn what_is_wrong_is_told_before_anything_is_prepared() {
     let still = moment(&mesh, 0);
     host.run(|commands| {
         let early = effect.record(&mut recorder(&context, commands), &EffectFrame::next(&still));
-        assert!(early.expect_err("too early").to_string().contains("not ready"));
+        let early = early.expect_err("too early");
+        assert!(matches!(early, impasto::Error::NotReady(_)) && early.to_string().contains("not ready"), "{early}");
     });
     drop(effect);
     // What only shows on the way is told by `prepare`: no budget for it.
